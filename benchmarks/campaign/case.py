@@ -31,8 +31,8 @@ from nospill.planning.active_set import Task
 from nospill.planning.attempts import STEP_BY_STEP, Attempt
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log
-from nospill.planning.refinement import Judged, certified_by_refinement
-from nospill.planning.search import PassageSearch, best_of, found_motion, passage_searches
+from nospill.planning.refinement import Judged, certify_by_refinement
+from nospill.planning.search import PassageSearch, best_of, find_motion, passage_searches
 from nospill.plans.plan import Plan
 from nospill.plans.rows import seam_fault, with_residual_slosh
 from nospill.robots.joint_paths.search import joint_paths, preferred_path
@@ -249,7 +249,7 @@ def planned_from(scene: Scene, start: Start, known: list[Coarse], outcome: dict[
     log = Log(None, scene.planning.max_plan_time)
     paths = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
-    return certified_by_refinement(found_motion(passage_searches(Task.of(scene), joint_path), log, search), log)
+    return certify_by_refinement(find_motion(passage_searches(Task.of(scene), joint_path), log, search), log)
 
 
 def _print(line: dict[str, Any]) -> None:

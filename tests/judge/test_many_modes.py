@@ -17,7 +17,7 @@ from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.planning.candidate import exported
 from nospill.planning.log import Log
-from nospill.planning.search import found_motion, passage_searches
+from nospill.planning.search import find_motion, passage_searches
 from nospill.planning.task import Task
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
@@ -75,7 +75,7 @@ def test_what_one_mode_allows_twenty_refuse() -> None:
     paths = joint_paths(scene.robot, scene.path, tool=scene.tray.tool)
     path = preferred_path(paths, scene.robot, scene.start_near)
     searches = passage_searches(Task.of(scene.with_one_mode()), path)
-    trajectory = exported(found_motion(searches, Log(None, 300.0)))
+    trajectory = exported(find_motion(searches, Log(None, 300.0)))
     blind, seeing = (judge_motion(trajectory, item) for item in (scene.with_one_mode(), scene))
     names = (HEIGHT, RESIDUAL)
     assert all(row(blind, name, "c1").use < 1.003 for name in names)

@@ -23,7 +23,7 @@ from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.certificate import judge
 from nospill.laws.scene_parameters import object_numbers
 from nospill.margins import FACTORS, Ranges, margins, probability
-from nospill.margins.arms import ArmRanges, drawn_arms
+from nospill.margins.arms import ArmRanges, draw_arms
 from nospill.margins.drawn_object import drawn_object
 from nospill.margins.laws import object_margins, tray_motion
 from nospill.margins.ranges import draw
@@ -305,7 +305,7 @@ def test_interval_covers_a_known_share_as_often_as_it_says() -> None:
 
 def test_arms_are_drawn_apart_from_the_objects() -> None:
     scene = one_mode("matrix-rigid")
-    arms, _ = drawn_arms(scene, ArmRanges(delay=0.01), 200, seed=5)
+    arms, _ = draw_arms(scene, ArmRanges(delay=0.01), 200, seed=5)
     delay = np.array([own.delay for own in arms])
     draws = draw([Ranges(), Ranges()], 200, seed=5)[:, 0]  # as many numbers a sample as there are of an arm
     correlation = np.corrcoef(np.hstack([delay, draws]), rowvar=False)[: delay.shape[1], delay.shape[1] :]
@@ -314,7 +314,7 @@ def test_arms_are_drawn_apart_from_the_objects() -> None:
 
 def test_drawn_arms_lie_within_their_ranges() -> None:
     scene = replace(read_scenario("matrix-liquid"), controller=Controller(np.full(6, 0.001), np.full(6, 0.02)))
-    arms, after = drawn_arms(scene, ArmRanges(delay=0.002, lag=0.005), 50, seed=1)
+    arms, after = draw_arms(scene, ArmRanges(delay=0.002, lag=0.005), 50, seed=1)
     delay, lag = np.array([own.delay for own in arms]), np.array([own.lag for own in arms])
     assert np.min(delay) == 0.0 and 0.0025 < np.max(delay) <= 0.003
     assert 0.015 <= np.min(lag) < 0.016 and 0.024 < np.max(lag) <= 0.025

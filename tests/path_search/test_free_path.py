@@ -102,8 +102,8 @@ def test_a_blocked_way_that_was_taken_for_its_room_is_no_limit_to_relax() -> Non
     run = searcher(Task.of(through), Log(None, 60.0))
     error = not_found(Trials(run, path), None)
     assert re.match(
-        r"No way found: on the one with most room clearance of \w+ to column is −.* and random searches found no clear "
-        r"one\. Move the obstacle, the ends of the path or the arm's base",
+        r"No way found: on the one with most slack clearance of \w+ to column is −.* and random searches found no "
+        r"clear one\. Move the obstacle, the ends of the path or the arm's base",
         str(error),
     )
     assert error.reason is not None and error.reason.constraint == "clearance"

@@ -20,7 +20,7 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
 from nospill.planning.log import Log
 from nospill.planning.planner import plan
-from nospill.planning.refinement import certified_by_refinement, solved_from, started_from
+from nospill.planning.refinement import certify_by_refinement, solve_from, start_from
 from nospill.planning.task import Task
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene
@@ -339,9 +339,9 @@ def test_what_is_violated_outside_the_problem_joins_and_the_answer_is_that_of_th
     task, log, q = Task.of(scene), Log(None, 120.0), found.trajectory.joint_position
     for first in (frozenset({("c5", "")}), frozenset((cargo.name, "") for cargo in scene.cargo)):
         active = ActiveSet.of(task, q, first)
-        begun = solved_from(active, started_from(active, found.trajectory, log), log)
+        begun = solve_from(active, start_from(active, found.trajectory, log), log)
         assert begun is not None and begun.active.members == first
-        judged = certified_by_refinement(begun, log)
+        judged = certify_by_refinement(begun, log)
         assert judged.judgement.certificate.ok
         assert judged.candidate.active.members >= first and len(judged.candidate.active.members) > 1
         assert judged.trajectory.end_time == pytest.approx(found.duration, rel=2e-3)

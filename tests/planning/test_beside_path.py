@@ -79,8 +79,8 @@ def test_a_plan_starts_from_an_earlier_one_with_the_same_freedom(changed_scene, 
 
 
 def test_where_no_motion_beside_it_is_certified_the_one_on_the_path_is_left(monkeypatch, changed_scene) -> None:
-    """Every motion beside the path is spoilt."""
-    certified, tried = planning.certified_by_refinement, list[Candidate]()
+    """Every motion off the path is spoilt."""
+    certified, tried = planning.certify_by_refinement, list[Candidate]()
 
     def spoilt(candidate, log) -> Judged:
         judged = certified(candidate, log)
@@ -90,7 +90,7 @@ def test_where_no_motion_beside_it_is_certified_the_one_on_the_path_is_left(monk
         failed = replace(judged.judgement.certificate, ok=False)
         return replace(judged, judgement=replace(judged.judgement, certificate=failed))
 
-    monkeypatch.setattr(planning, "certified_by_refinement", spoilt)
+    monkeypatch.setattr(planning, "certify_by_refinement", spoilt)
     changes = {"path.corridor": "50 mm", "planning.intervals": 40}
     found = plan(changed_scene("matrix-rigid", changes))
     given = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}))
@@ -98,7 +98,7 @@ def test_where_no_motion_beside_it_is_certified_the_one_on_the_path_is_left(monk
     assert found.duration == pytest.approx(given.duration, rel=1e-6)
     (said,) = found.report.fallbacks
     assert re.fullmatch(
-        r"no faster motion beside the path was certified: .+ of .+ at t = .+; the motion on the path itself was taken",
+        r"no faster motion off the path was certified: .+ of .+ at t = .+; the motion on the path itself was taken",
         said,
     )
     assert len(tried) > 1, "other starts before the motion on the path"

@@ -20,7 +20,7 @@ from nospill.planning import planner
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log
 from nospill.planning.planner import Planner, PlanningProgress, plan
-from nospill.planning.refinement import Judged, certified_by_refinement
+from nospill.planning.refinement import Judged, certify_by_refinement
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.robots.description.urdf_tree import rotation_of
@@ -269,14 +269,14 @@ def test_where_refinement_certifies_nothing_the_next_starts_are_refined(
     judged: list[Judged] = []
 
     def refined(candidate: Candidate, log: Log) -> Judged:
-        found = certified_by_refinement(candidate, log)
+        found = certify_by_refinement(candidate, log)
         if not judged:
             certificate = dataclasses.replace(found.judgement.certificate, ok=False)
             found = dataclasses.replace(found, judgement=dataclasses.replace(found.judgement, certificate=certificate))
         judged.append(found)
         return found
 
-    monkeypatch.setattr(planner, "certified_by_refinement", refined)
+    monkeypatch.setattr(planner, "certify_by_refinement", refined)
     found = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}))
     assert len(judged) == 2 and judged[1].candidate is not judged[0].candidate
     assert found.certificate.ok

@@ -41,7 +41,7 @@ def test_a_motion_out_of_reach_is_solved_again_once(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(refinement, "judged_tracks", lambda *_: ())
     monkeypatch.setattr(refinement, "replace", lambda item, **_: item)
     monkeypatch.setattr(refinement.diagnosis, "not_playable", lambda *_: NoSolutionError("cannot be played"))
-    judged: Any = refinement._judged
+    judged: Any = refinement._judge
     start = candidate("before").stages
     if bounded:
         assert judged(candidate("beyond"), Log(None, 60.0), else_from=start).candidate.stages.name == "inside"
@@ -81,7 +81,7 @@ def test_a_motion_that_cannot_be_played_ends_no_search(monkeypatch: pytest.Monke
         one.active.task.ignored = ()
         return one
 
-    monkeypatch.setattr(planner, "certified_by_refinement", certified)
+    monkeypatch.setattr(planner, "certify_by_refinement", certified)
     first: Any = planner._first_certified
     if ends in ("certified", "rejected"):
         judged, instead = first(candidates(), Log(None, 60.0))

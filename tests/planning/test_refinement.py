@@ -29,5 +29,5 @@ def test_on_planes_only_the_least_barrier_is_tried(
 
     monkeypatch.setattr(refinement, "on_grid", lambda *_: None)
     monkeypatch.setattr(refinement, "solved", solved)
-    assert refinement._refined(candidate, 100, (), Log(None, 60.0)) is None
+    assert refinement._refine(candidate, 100, (), Log(None, 60.0)) is None
     assert tuple(tried) == expected

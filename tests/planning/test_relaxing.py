@@ -13,7 +13,7 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, solved
 from nospill.planning.log import Log
 from nospill.planning.planner import plan
-from nospill.planning.refinement import Judged, certified_by_refinement, solved_from, started_from
+from nospill.planning.refinement import Judged, certify_by_refinement, solve_from, start_from
 from nospill.planning.task import Task
 from nospill.planning.tightening import relaxed_backoff
 from nospill.scene.scene import Scene
@@ -47,7 +47,7 @@ def begun(changed_scene: Callable[..., Scene]) -> Begun:
     log = Log(None, 120.0)
     active = ActiveSet.of(Task.of(scene), found.trajectory.joint_position)
     active = active.with_backoff({row: _TOO_MUCH for row in active.possible if row.constraint == "slosh height"})
-    candidate = solved_from(active, started_from(active, found.trajectory, log), log)
+    candidate = solve_from(active, start_from(active, found.trajectory, log), log)
     assert candidate is not None
     return candidate, found.duration, log
 
@@ -55,7 +55,7 @@ def begun(changed_scene: Callable[..., Scene]) -> Begun:
 @pytest.mark.slow
 def test_a_motion_with_too_much_back_off_becomes_as_short_as_one_without(begun: Begun) -> None:
     candidate, duration, log = begun
-    judged = certified_by_refinement(candidate, log)
+    judged = certify_by_refinement(candidate, log)
     assert judged.judgement.certificate.ok
     assert candidate.stages.duration > 1.01 * duration
     assert judged.trajectory.end_time == pytest.approx(duration, rel=5e-3)
@@ -76,7 +76,7 @@ def test_what_less_back_off_saves_is_predicted(begun: Begun) -> None:
 @pytest.mark.slow
 def test_of_two_motions_only_a_certified_one_counts(begun: Begun, monkeypatch: pytest.MonkeyPatch) -> None:
     candidate, _, log = begun
-    refined = refinement._refined_until_certified
+    refined = refinement._refine_until_certified
     answers: list[Judged] = []
 
     def broken_the_second_time(candidate: Candidate, log: Log) -> Judged:
@@ -85,6 +85,6 @@ def test_of_two_motions_only_a_certified_one_counts(begun: Begun, monkeypatch: p
         answers.append(replace(found, judgement=replace(found.judgement, certificate=verdict)))
         return answers[-1]
 
-    monkeypatch.setattr(refinement, "_refined_until_certified", broken_the_second_time)
-    assert certified_by_refinement(candidate, log) is answers[0]
+    monkeypatch.setattr(refinement, "_refine_until_certified", broken_the_second_time)
+    assert certify_by_refinement(candidate, log) is answers[0]
     assert len(answers) == 2 and answers[1].trajectory.end_time < answers[0].trajectory.end_time

@@ -48,7 +48,7 @@ def test_with_a_broken_row_those_near_their_limit_join(monkeypatch: pytest.Monke
     monkeypatch.setattr(
         candidate, "slack_of", lambda *_: {broken: -0.1 if len(solved) == 1 else 0.1, near: 0.2, far: 0.5}
     )
-    found = candidate.solved_lazily(active, coarse_start(active.scene, joint_path), Log(None, 60.0), {})
+    found = candidate.solve_lazily(active, coarse_start(active.scene, joint_path), Log(None, 60.0), {})
     assert len(solved) == 2
     assert found.active.rows - active.rows == {broken, near}
 
@@ -59,7 +59,7 @@ def test_near_rows_alone_ask_for_no_further_solve(monkeypatch: pytest.MonkeyPatc
     active = ActiveSet.of(Task.of(scene), joint_path.q).with_rows(())
     monkeypatch.setattr(candidate, "solved", answer)
     monkeypatch.setattr(candidate, "slack_of", lambda *_: {RowId("slip", "c1"): 0.01})
-    found = candidate.solved_lazily(active, coarse_start(active.scene, joint_path), Log(None, 60.0), {})
+    found = candidate.solve_lazily(active, coarse_start(active.scene, joint_path), Log(None, 60.0), {})
     assert found.active.rows == active.rows
 
 
@@ -74,7 +74,7 @@ def test_whether_a_task_is_hopeless_is_looked_at_once(
         return hopeless
 
     monkeypatch.setattr(search.diagnosis, "is_hopeless", looked)
-    monkeypatch.setattr(search, "solved_lazily", answer)
+    monkeypatch.setattr(search, "solve_lazily", answer)
     monkeypatch.setattr(search, "usable", lambda _: False)
     log = Log(None, 60.0)
     best, last = search.best_of(task, joint_path_of(task.scene), log, attempts(task)[:3])
@@ -94,7 +94,7 @@ def test_a_search_goes_on_where_it_was_left(monkeypatch: pytest.MonkeyPatch, com
         made.append(options)
         return answer(active, start)
 
-    monkeypatch.setattr(search, "solved_lazily", noted)
+    monkeypatch.setattr(search, "solve_lazily", noted)
     monkeypatch.setattr(search, "usable", lambda _: len(made) >= 2)  # the first attempt leads nowhere
     monkeypatch.setattr(search.diagnosis, "is_hopeless", lambda *_: False)
     found, log = PassageSearch(task, joint_path_of(task.scene), iter(tries)), Log(None, 60.0, starts=[None, 1.5])

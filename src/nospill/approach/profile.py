@@ -37,7 +37,7 @@ class Profile:
         """
         travelled = np.array([self.curve.at_time(float(instant)) for instant in np.clip(t, 0.0, self.duration)])
         part, _ = _parts(self.end - self.start)
-        position, speed, acceleration = (own * part for own in travelled.reshape(-1, 3, 1).swapaxes(0, 1))
+        position, speed, acceleration = (order * part for order in travelled.reshape(-1, 3, 1).swapaxes(0, 1))
         position += self.start
         for outside, rest in ((t <= 0.0, self.start), (t >= self.duration, self.end)):
             position[outside], speed[outside], acceleration[outside] = rest, 0.0, 0.0

@@ -62,10 +62,10 @@ def find_approach(scene: Scene, rules: ApproachRules, end: np.ndarray) -> Approa
 
     def certified(stretch: float) -> Approach | None:
         try:
-            found = tried(stretch)
+            approach = tried(stretch)
         except ModelError:  # a liquid leaves its cup: not as fast as that
             return None
-        return found if found.certificate.ok else None
+        return approach if approach.certificate.ok else None
 
     fastest = certified(1.0)
     if fastest is not None:
@@ -73,4 +73,4 @@ def find_approach(scene: Scene, rules: ApproachRules, end: np.ndarray) -> Approa
     slowest = tried(SLOWEST)
     if not slowest.certificate.ok:
         return slowest
-    return next((found for stretch in _STRETCHES if (found := certified(stretch)) is not None), slowest)
+    return next((approach for stretch in _STRETCHES if (approach := certified(stretch)) is not None), slowest)

@@ -46,8 +46,8 @@ def _list() -> None:
     entries = cache_entries()
     groups = {kind: [entry for entry in entries if entry.kind == kind] for kind in sorted({e.kind for e in entries})}
     rows = [
-        (name, len(own), sum(not entry.current for entry in own), f"{sum(entry.size for entry in own) / 1e6:.1f}")
-        for name, own in {**groups, "all": list(entries)}.items()
+        (name, len(part), sum(not entry.current for entry in part), f"{sum(entry.size for entry in part) / 1e6:.1f}")
+        for name, part in {**groups, "all": list(entries)}.items()
     ]
     print_table(("functions", "entries", "of another version", "MB"), rows)
     print(f"folder: {cache_folder()}")

@@ -50,18 +50,18 @@ def design_test(
     if output is not None:
         require_replaceable(output, replaceable=is_plan_folder)
     records = Records(rest=values["--rest"], rate=rate, height_noise=values["--noise"])
-    found = optimal_experiment(experiment_scene(read_scenario(scenario)), records)
+    design = optimal_experiment(experiment_scene(read_scenario(scenario)), records)
     if output is not None:
-        found.plan.save(output)
-        print_plan(found.plan, output)
+        design.plan.save(output)
+        print_plan(design.plan, output)
     rows = []
-    for own in found.expected:
-        factor, unit, digits = SHOWN[own.unit]
-        rows.append((own.name, own.subject, f"± {factor * own.half_width:.{digits}f}", unit))
+    for estimate in design.expected:
+        factor, unit, digits = SHOWN[estimate.unit]
+        rows.append((estimate.name, estimate.subject, f"± {factor * estimate.half_width:.{digits}f}", unit))
     print_table(("number", "of", "expected 95 %", "unit"), rows, right=("expected 95 %",))
     print()
     print_lines(
-        f"the motion takes {found.plan.duration:.3f} s; film {values['--rest']:g} s of rest after it",
-        f"{found.tried} motions were looked at; {found.refused} that tell more are not certified",
+        f"the motion takes {design.plan.duration:.3f} s; film {values['--rest']:g} s of rest after it",
+        f"{design.tried} motions were looked at; {design.refused} that tell more are not certified",
     )
     return 0

@@ -1,4 +1,4 @@
-"""executed: a joint log judged as a plan is, beside the plan it is of."""
+"""executed: a joint log judged as a plan is, compared with the plan it is of."""
 
 from __future__ import annotations
 
@@ -104,24 +104,24 @@ def _only_ours(names: set[str]) -> bool:
     return names <= _FILES
 
 
-def _print(found: Executed, *, everything: bool) -> None:
+def _print(run: Executed, *, everything: bool) -> None:
     from nospill.execution.bands import NOT_CERTIFIED
     from nospill.execution.record import log_lines, open_line, tracking_lines, verdict
     from nospill.judge.wording import verdict_line
 
-    print_verdict(f"executed: {verdict(found)}", found.outcome != NOT_CERTIFIED)
-    if found.planned is not None:
-        print_verdict(f"planned: {verdict_line(found.planned.certificate)}", found.planned.certificate.ok)
+    print_verdict(f"executed: {verdict(run)}", run.outcome != NOT_CERTIFIED)
+    if run.planned is not None:
+        print_verdict(f"planned: {verdict_line(run.planned.certificate)}", run.planned.certificate.ok)
     print()
-    _print_rows(found, everything=everything)
+    _print_rows(run, everything=everything)
     print()
-    print_lines(*log_lines(found), *tracking_lines(found))
-    left_open = open_line(found)
+    print_lines(*log_lines(run), *tracking_lines(run))
+    left_open = open_line(run)
     if left_open:
         print_lines(left_open)
     print()
-    if found.heights:
-        _print_heights(found)
+    if run.heights:
+        _print_heights(run)
         print()
 
 

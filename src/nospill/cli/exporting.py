@@ -70,7 +70,7 @@ def export(
     if with_approach:
         from nospill.plans.approach import hand_over_approach
 
-        there = hand_over_approach(plan, exporter, _beside(target, exporter), rate=rate)
+        there = hand_over_approach(plan, exporter, _approach_file(target, exporter), rate=rate)
         _report(there)
         unchecked = "" if plan.scene.obstacles else "; collisions with what is around are not checked"
         print(f"the approach ends where the motion begins{unchecked}")
@@ -96,7 +96,7 @@ def _target(folder: Path, output: Path | None, exporter: Exporter) -> Path:
     return target
 
 
-def _beside(target: Path, exporter: Exporter) -> Path:
+def _approach_file(target: Path, exporter: Exporter) -> Path:
     """The approach's file beside that of the motion: tea.script and tea-approach.script."""
     suffix = next((end for end in exporter.suffixes if target.name.endswith(end)), target.suffix)
     stem = target.name[: len(target.name) - len(suffix)] if suffix else target.name

@@ -64,11 +64,11 @@ def identify(
     with only_stderr() if as_json else nullcontext():
         recorded, scene, planned = read_run(log, plan, scenario, offset or (), unit, rate, topic)
         heights = {name: read_heights(text) for name, text in files.items()}
-        found = identified(recorded, scene, plan=planned, measured=heights, stayed=stayed or (), slid=slid or ())
+        learnt = identified(recorded, scene, plan=planned, measured=heights, stayed=stayed or (), slid=slid or ())
         if output is not None:
-            atomic_text(output, scenario_text(found))
+            atomic_text(output, scenario_text(learnt))
     if as_json:
-        print_json(identified_table(found))
+        print_json(identified_table(learnt))
         return 0
     print_lines(f"read: {recorded.read}")
     _print(found)
@@ -85,36 +85,36 @@ SHOWN = {"s": (1e3, "ms", 3), "m": (1e3, "mm", 2), "1": (1.0, "", 5), "rad/s": (
 def estimate_rows(estimates: Sequence[Estimate]) -> list[tuple[str, ...]]:
     """Rows of a table: number, of what, value, unit, interval."""
     rows = []
-    for own in estimates:
-        factor, unit, digits = SHOWN[own.unit]
-        value = f"{factor * own.value:.{digits}f}" if own.identifiable else "-"
-        wide = f"± {factor * own.half_width:.{digits}f}"
-        if own.ends is not None:
-            wide = " to ".join(f"{factor * end:.{digits}f}" for end in own.ends)
-        wide = wide if own.identifiable else "not identifiable from this motion"
-        rows.append((own.name, own.subject, value, unit, wide))
+    for estimate in estimates:
+        factor, unit, digits = SHOWN[estimate.unit]
+        value = f"{factor * estimate.value:.{digits}f}" if estimate.identifiable else "-"
+        wide = f"± {factor * estimate.half_width:.{digits}f}"
+        if estimate.ends is not None:
+            wide = " to ".join(f"{factor * end:.{digits}f}" for end in estimate.ends)
+        wide = wide if estimate.identifiable else "not identifiable from this motion"
+        rows.append((estimate.name, estimate.subject, value, unit, wide))
     return rows
 
 
-def _print(found: Identified) -> None:
+def _print(learnt: Identified) -> None:
     from nospill.identification.identified import second_order_text
 
-    estimates = [own for fit in found.liquids for own in fit.estimates]
-    estimates += [own for fit in found.joints for own in (fit.delay, fit.lag)]
+    estimates = [own for fit in learnt.liquids for own in fit.estimates]
+    estimates += [own for fit in learnt.joints for own in (fit.delay, fit.lag)]
     if estimates:
         print_table(("number", "of", "value", "unit", "95 %"), estimate_rows(estimates), right=("value",))
         print()
-    for fit in found.liquids:
+    for fit in learnt.liquids:
         print_lines(f"{fit.subject}: {1e3 * fit.left:.2f} mm rms are left of the measured height")
-    if found.joints and not found.of_command:
+    if learnt.joints and not learnt.of_command:
         print_lines("delays are against the joint that begins first: the clocks of plan and log are not the same")
-    print_lines(*(text for text in map(second_order_text, found.joints) if text))
-    for fit in found.unexplained:
+    print_lines(*(text for text in map(second_order_text, learnt.joints) if text))
+    for fit in learnt.unexplained:
         left = fit.left if fit.second is None else fit.second.left
         print_lines(
             f"{fit.joint}: {1e3 * left:.2g} mrad rms are left, more than noise: delay and lag are not all of it"
         )
-    for bound in found.frictions:
+    for bound in learnt.frictions:
         word = "slid: its friction is below" if bound.slid else "stayed: its friction is above"
         print_lines(f"{bound.subject} {word} {bound.friction:.3f}")
     print()

@@ -68,46 +68,46 @@ def measure(
     if side not in SIDES:
         raise ScenarioError(f"--side {side}: must be one of {', '.join(SIDES)}")
     vessel = Vessel(radius=values[0], height=values[1], marker=values[2], axis=length("--axis", axis))
-    found = measured_heights(film, vessel, rest=values[3], rate=rate)
+    heights = measured_heights(film, vessel, rest=values[3], rate=rate)
     if output is not None:
-        atomic_text(output, heights_text(found, side))
+        atomic_text(output, heights_text(heights, side))
     if as_json:
-        print_json(_table(found))
+        print_json(_table(heights))
         return 0
-    _print(found)
+    _print(heights)
     if output is not None:
         print(f"written to {output}")
     return 0
 
 
-def _print(found: FilmedHeights) -> None:
+def _print(heights: FilmedHeights) -> None:
     rows = []
     for name in ("left", "right"):
-        own = found.side(name)
-        high, low = int(own.argmax()), int(own.argmin())
-        rows.append((name, f"{1e3 * own[high]:.2f}", f"{found.t[high]:.3f}", f"{1e3 * own[low]:.2f}"))
+        side = heights.side(name)
+        high, low = int(side.argmax()), int(side.argmin())
+        rows.append((name, f"{1e3 * side[high]:.2f}", f"{heights.t[high]:.3f}", f"{1e3 * side[low]:.2f}"))
     columns = ("wall", "highest mm", "at s", "lowest mm")
     print_table(columns, rows, right=columns[1:])
     print()
-    count = len(found.t) + len(found.lost)
+    count = len(heights.t) + len(heights.lost)
     print_lines(
-        f"{len(found.t)} of {count} frames tell the height; {1e3 * found.scale:.3f} mm a pixel; "
-        f"{1e3 * found.noise:.2f} mm rms at rest; least confidence {found.confidence.min():.2f}"
+        f"{len(heights.t)} of {count} frames tell the height; {1e3 * heights.scale:.3f} mm a pixel; "
+        f"{1e3 * heights.noise:.2f} mm rms at rest; least confidence {heights.confidence.min():.2f}"
     )
-    for reason, frames in groupby(found.lost, key=lambda own: own[1]):
+    for reason, frames in groupby(heights.lost, key=lambda side: side[1]):
         times = [t for t, _ in frames]
         where = f"t = {times[0]:.3f} s" if len(times) == 1 else f"{len(times)} from {times[0]:.3f} to {times[-1]:.3f} s"
         print_lines(f"lost, {reason}: {where}")
 
 
-def _table(found: FilmedHeights) -> dict[str, object]:
+def _table(heights: FilmedHeights) -> dict[str, object]:
     return {
-        "t_s": found.t.tolist(),
-        "left_m": found.left.tolist(),
-        "right_m": found.right.tolist(),
-        "confidence": found.confidence.tolist(),
-        "lost": [{"t_s": t, "reason": reason} for t, reason in found.lost],
-        "scale_m_per_pixel": found.scale,
-        "noise_m": found.noise,
-        "liquid_is_brighter": found.brighter,
+        "t_s": heights.t.tolist(),
+        "left_m": heights.left.tolist(),
+        "right_m": heights.right.tolist(),
+        "confidence": heights.confidence.tolist(),
+        "lost": [{"t_s": t, "reason": reason} for t, reason in heights.lost],
+        "scale_m_per_pixel": heights.scale,
+        "noise_m": heights.noise,
+        "liquid_is_brighter": heights.brighter,
     }

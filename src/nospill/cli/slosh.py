@@ -50,15 +50,15 @@ def simulate(
     from nospill.simulation.simulate import simulate_slosh
 
     given = read_motion(motion)
-    found = simulate_slosh(cup, given.t, given.position, given.quaternion, modes=modes, height=height, model=model)
+    simulation = simulate_slosh(cup, given.t, given.position, given.quaternion, modes=modes, height=height, model=model)
     if output is not None:
-        write_heights(output, found.heights)
-    print(f"peak height: {1e3 * found.peak:.2f} mm above rest at t = {found.peak_time:.3f} s")
+        write_heights(output, simulation.heights)
+    print(f"peak height: {1e3 * simulation.peak:.2f} mm above rest at t = {simulation.peak_time:.3f} s")
     if model != "surface":
-        print(f"peak of the contact line: {1e3 * float(found.reading.max()):.2f} mm above rest")
+        print(f"peak of the contact line: {1e3 * float(simulation.reading.max()):.2f} mm above rest")
     print(
-        f"rim: {1e3 * found.freeboard:.2f} mm above rest"
-        + (": the liquid spills" if found.peak > found.freeboard else "")
+        f"rim: {1e3 * simulation.freeboard:.2f} mm above rest"
+        + (": the liquid spills" if simulation.peak > simulation.freeboard else "")
     )
     if output is not None:
         print(f"written to {output}")
@@ -131,24 +131,24 @@ def _compare_one(predicted: str, measured: Path, figure: Path | None) -> int:
     from nospill.simulation.compare import predicted_heights
     from nospill.simulation.motion_file import read_heights
 
-    found = compare_heights(predicted_heights(predicted), read_heights(measured))
+    comparison = compare_heights(predicted_heights(predicted), read_heights(measured))
     print_table(
         ("figure", "value", "unit"),
         [
-            ("predicted peak", 1e3 * found.predicted_peak, "mm"),
-            ("measured peak", 1e3 * found.measured_peak, "mm"),
-            ("peak error", 1e3 * found.peak_error, "mm"),
-            ("peak error", 1e2 * found.relative_peak_error, "%"),
-            ("root mean square error", 1e3 * found.rmse, "mm"),
-            ("correlation", found.correlation, ""),
-            ("integral error", 1e2 * found.integral_error, "%"),
-            ("clock shift", found.shift, "s"),
+            ("predicted peak", 1e3 * comparison.predicted_peak, "mm"),
+            ("measured peak", 1e3 * comparison.measured_peak, "mm"),
+            ("peak error", 1e3 * comparison.peak_error, "mm"),
+            ("peak error", 1e2 * comparison.relative_peak_error, "%"),
+            ("root mean square error", 1e3 * comparison.rmse, "mm"),
+            ("correlation", comparison.correlation, ""),
+            ("integral error", 1e2 * comparison.integral_error, "%"),
+            ("clock shift", comparison.shift, "s"),
         ],
     )
     if figure is not None:
         from nospill.plots.comparison import save_comparison
 
-        save_comparison(found, figure)
+        save_comparison(comparison, figure)
         print(f"drawn to {figure}")
     return 0
 
@@ -166,10 +166,15 @@ def _compare_runs(
     banded = any(np.any(run.high > run.low) for run in runs)
     rows = []
     for run in runs:
-        own = run.comparison
-        figures = (own.correlation, 1e3 * own.rmse, 1e2 * own.relative_peak_error, 1e2 * own.integral_error)
+        comparison = run.comparison
+        figures = (
+            comparison.correlation,
+            1e3 * comparison.rmse,
+            1e2 * comparison.relative_peak_error,
+            1e2 * comparison.integral_error,
+        )
         band = (f"{100 * run.within:.0f} %",) if banded else ()
-        rows.append((run.name, f"{1e3 * own.measured_peak:.1f}", *(f"{value:.3g}" for value in figures), *band))
+        rows.append((run.name, f"{1e3 * comparison.measured_peak:.1f}", *(f"{value:.3g}" for value in figures), *band))
     peaks = np.median([abs(run.comparison.relative_peak_error) for run in runs])
     columns = ("run", "measured peak mm", "correlation", "rms error mm", "peak error %", "integral error %")
     print_table((*columns, *(("within band",) if banded else ())), rows, right=(*columns[1:], "within band"))

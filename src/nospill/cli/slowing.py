@@ -49,16 +49,16 @@ def slow(
         planned = load_plan(folder)
         progress.say(LOADING)
         try:
-            found = _replanned(planned, speed, progress) if another_way else _on_its_way(planned, speed)
+            slower_plan = _replan(planned, speed, progress) if another_way else _on_its_way(planned, speed)
         except NoSolutionError as error:
             raise NoSolutionError(f"{folder}: {error}", error.reason) from error
-        found = found.with_second_looks()
-        found.save(target)
-    print_plan(found, target)
-    print_lines(_compared(planned, found))
-    if not found.certificate.ok:
-        say(one_line(found.message))
-    return 0 if found.certificate.ok else 1
+        slower_plan = slower_plan.with_second_looks()
+        slower_plan.save(target)
+    print_plan(slower_plan, target)
+    print_lines(_comparison_line(planned, slower_plan))
+    if not slower_plan.certificate.ok:
+        say(one_line(slower_plan.message))
+    return 0 if slower_plan.certificate.ok else 1
 
 
 def _on_its_way(planned: Plan, speed: float) -> Plan:
@@ -72,13 +72,13 @@ def _on_its_way(planned: Plan, speed: float) -> Plan:
         ) from error
 
 
-def _replanned(planned: Plan, speed: float, progress: ProgressLine) -> Plan:
+def _replan(planned: Plan, speed: float, progress: ProgressLine) -> Plan:
     from nospill.planning.planner import plan
 
     return plan(planned.scene.changed({"motion.duration": planned.duration / speed}), progress=progress.show)
 
 
-def _compared(planned: Plan, found: Plan) -> str:
+def _comparison_line(planned: Plan, found: Plan) -> str:
     """At which speed it is, and how far its poses are from the planned ones, in one line."""
     from nospill.planning.slower import apart
 

@@ -51,7 +51,7 @@ def print_table(
         if all(row[index] is None or isinstance(row[index], int | float) for row in given)
     }
     cells = [[_cell(value) for value in row] for row in given]
-    shown = _shown(columns, cells, drop)
+    shown = _fitting_columns(columns, cells, drop)
     widths = [_widest(columns, cells, index) for index in shown]
     last = shown[-1]
     table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, _GAP, 0, 0), collapse_padding=True)
@@ -69,7 +69,7 @@ def print_table(
 def print_lines(*lines: str) -> None:
     """Print sentences on stdout, on a terminal broken at words."""
     for line in lines:
-        print(_broken(line, sys.stdout))
+        print(_break_line(line, sys.stdout))
 
 
 def print_verdict(line: str, ok: bool) -> None:
@@ -81,7 +81,7 @@ def print_verdict(line: str, ok: bool) -> None:
 
 def say(line: str) -> None:
     """Print a line on stderr at once, on a terminal broken at words."""
-    print(_broken(line, sys.stderr), file=sys.stderr, flush=True)
+    print(_break_line(line, sys.stderr), file=sys.stderr, flush=True)
 
 
 def console(*, width: int) -> Console:
@@ -100,7 +100,7 @@ def _width() -> int:
     return terminal_width(sys.stdout) or _USUAL_WIDTH
 
 
-def _broken(line: str, stream: TextIO) -> str:
+def _break_line(line: str, stream: TextIO) -> str:
     """A line as it is, on a terminal with its breaks at spaces."""
     width = terminal_width(stream)
     if width is None:
@@ -108,7 +108,7 @@ def _broken(line: str, stream: TextIO) -> str:
     return textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False)
 
 
-def _shown(columns: Sequence[str], cells: Sequence[Sequence[str]], drop: Sequence[str]) -> list[int]:
+def _fitting_columns(columns: Sequence[str], cells: Sequence[Sequence[str]], drop: Sequence[str]) -> list[int]:
     """Columns that fit on a line, in their order."""
     shown = list(range(len(columns)))
 

@@ -88,14 +88,14 @@ def verify(
 
 def _print_verification(report: VerifyReport) -> None:
     """Print the figures of every object and the verdict."""
-    found = report.to_dict()
+    table = report.to_dict()
     keys = ("name", "slide_mm", "slide_at_s", "rotation_deg", "tilt_deg", "lift_off_mm", "moved_at_s")
     columns = ("object", "slide mm", "at s", "rotation deg", "tilt deg", "lift-off mm", "moves from s")
     still = "every object stays" if all(item.ok for item in report.objects) else "not every object stays"
     touching = ", ".join(f"{item.body} touches {item.obstacle}" for item in report.touches)
-    verdict = f"{still} within {found['threshold_mm']:g} mm and {found['threshold_deg']:g} deg"
+    verdict = f"{still} within {table['threshold_mm']:g} mm and {table['threshold_deg']:g} deg"
     verdict += f"; {touching}" if touching else ""
-    objects = found["objects"]
+    objects = table["objects"]
     print_verdict(verdict, report.ok)
     print()
     print_table(
@@ -164,8 +164,8 @@ def margins(
         from nospill.margins.arms import ArmRanges
         from nospill.plans.loading import load_plan
 
-        given = _given_ranges(friction, fill, damping, position, mass)
-        times = {name: _given_time(f"--{name}", text) for name, text in (("delay", delay), ("lag", lag))}
+        given = _range_options(friction, fill, damping, position, mass)
+        times = {name: _time_option(f"--{name}", text) for name, text in (("delay", delay), ("lag", lag))}
         if output is not None:
             require_replaceable(output, replaceable=_only_study)
         plan = load_plan(folder)
@@ -189,7 +189,7 @@ def margins(
     return 0
 
 
-def _given_time(option: str, text: str | None) -> float:
+def _time_option(option: str, text: str | None) -> float:
     """A time that may be left out, s."""
     from nospill.core.units import quantity
     from nospill.errors import ScenarioError
@@ -200,7 +200,7 @@ def _given_time(option: str, text: str | None) -> float:
         raise ScenarioError(f"{option}: {error}") from None
 
 
-def _given_ranges(
+def _range_options(
     friction: str | None, fill: str | None, damping: str | None, position: str | None, mass: str | None
 ) -> dict[str, Any]:
     """The fields of `Ranges` that options set.

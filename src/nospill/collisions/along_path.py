@@ -39,7 +39,7 @@ class Nearness:
 
 
 def nearest_along(scene: Scene, joint_path: JointPath, *, places: int = _PLACES) -> Nearness:
-    """The pair with the least room along a joint path.
+    """The pair with the least slack along a joint path.
 
     Args:
         scene: with obstacles.
@@ -51,7 +51,7 @@ def nearest_along(scene: Scene, joint_path: JointPath, *, places: int = _PLACES)
 
 
 def nearest_of_tray(scene: Scene, path: Path, *, places: int = _PLACES) -> Nearness:
-    """The pair with the least room of level tray and cargo with obstacles, which the path alone decides.
+    """The pair with the least slack of level tray and cargo with obstacles, which the path alone decides.
 
     Args:
         scene: with obstacles.
@@ -70,13 +70,13 @@ def _frames_on_path(scene: Scene, path: Path, s: np.ndarray) -> JointFrames:
     tray, turn = kinematics(robot).poses(zero, tool=scene.tray.tool)
     last = joint_frames(arm_chain(robot), zero)
     # of the last joint as the tray sees it
-    beside, turned = (last.position[-1, 0] - tray[0]) @ turn[0], turn[0].T @ last.rotation[-1, 0]
+    offset, turned = (last.position[-1, 0] - tray[0]) @ turn[0], turn[0].T @ last.rotation[-1, 0]
     at, rotation = tray_poses(path, s)
     positions, rotations = (
         np.zeros((len(last.position), len(s), 3)),
         np.tile(np.eye(3), (len(last.position), len(s), 1, 1)),
     )
-    positions[-1], rotations[-1] = at + rotation @ beside, rotation @ turned
+    positions[-1], rotations[-1] = at + rotation @ offset, rotation @ turned
     still = np.zeros_like(positions)
     return JointFrames(positions, rotations, still, still)
 
@@ -84,16 +84,16 @@ def _frames_on_path(scene: Scene, path: Path, s: np.ndarray) -> JointFrames:
 def _nearest(pairs: Sequence[Pair], frames: JointFrames, s: np.ndarray) -> Nearness:
     places = len(s)
     worst: Nearness | None = None
-    known = room_bounds(pairs, frames)
+    known = slack_bounds(pairs, frames)
     for index in np.argsort(known.min(axis=1), kind="stable"):
         pair, bounds = pairs[int(index)], known[index]
         where = np.arange(places) if worst is None else np.flatnonzero(bounds < worst.slack)
         if not len(where):
             continue
-        room = distances_of(pair.first, pair.second).at(frames, where)[0] - pair.limit
-        least = int(np.argmin(room))
-        if worst is None or room[least] < worst.slack:
-            worst = Nearness(pair, float(room[least]), float(s[where[least]]))
+        slack = distances_of(pair.first, pair.second).at(frames, where)[0] - pair.limit
+        least = int(np.argmin(slack))
+        if worst is None or slack[least] < worst.slack:
+            worst = Nearness(pair, float(slack[least]), float(s[where[least]]))
     assert worst is not None  # there is a tray, and an obstacle
     return worst
 
@@ -103,19 +103,19 @@ def least_slack(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, floa
 
     Where it is above `within`, m, or above zero of the arm with itself and its load, it is a bound.
     """
-    frames, found = joint_frames(arm_chain(scene.robot), q), dict[str, float]()
+    frames, least = joint_frames(arm_chain(scene.robot), q), dict[str, float]()
     pairs = scene_pairs(scene)
     for pair, room in zip(pairs, room_bounds(pairs, frames, enough=max(within, 0.0)), strict=True):
         # of the arm with itself and its load only what is broken counts: bounds do until then
-        near = np.flatnonzero(room < (0.0 if pair.of_arm else within))
+        near = np.flatnonzero(slack < (0.0 if pair.of_arm else within))
         if len(near) and not are_capsules(pair.first, pair.second):
-            room[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
-        found[pair.subject] = min(float(np.min(room)), found.get(pair.subject, np.inf))
-    return found
+            slack[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
+        least[pair.subject] = min(float(np.min(slack)), least.get(pair.subject, np.inf))
+    return least
 
 
 def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
-    """What comes nearest in that configuration in which there is most room; None where no pair is judged.
+    """What comes nearest in that configuration in which the slack is largest; None where no pair is judged.
 
     Where it is above zero, some bound on the room; the configuration is then one that has room.
 
@@ -134,9 +134,9 @@ def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
     for pair, own in zip(pairs, room, strict=True):
         near = np.flatnonzero(own < 0.0)
         if len(near) and not are_capsules(pair.first, pair.second):
-            own[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
-    worst = np.argmin(room, axis=0)
-    least = room[worst, np.arange(len(q))]
+            slack[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
+    worst = np.argmin(slacks, axis=0)
+    least = slacks[worst, np.arange(len(q))]
     best = int(np.argmax(least))
     return Nearness(pairs[int(worst[best])], float(least[best]), s)
 

@@ -37,7 +37,7 @@ class Body:
         position: (3,) origin of that frame in the joint's frame, m.
         rotation: (3, 3) axes of the same.
         obstacle: of which it is the solid; None for what the arm is and carries.
-        of_region: whether it is beside a side of a region, from which tray and cargo keep away, as one.
+        of_region: whether it is beyond a side of a region, from which tray and cargo keep away, as one.
         on_path: whether it is the tray or stands on it, and so goes where the path leads whatever the arm does.
         place_tolerance: how far the object may be off its place, m, either side in x and y of the tray; the body holds
             all of it.
@@ -75,7 +75,7 @@ class Body:
 
 
 def region_bodies(scene: Scene, *, loaded: bool = True) -> tuple[Body, tuple[Body, ...]]:
-    """Tray and cargo as one body, their hull, and the half-spaces beside the sides of all regions."""
+    """Tray and cargo as one body, their hull, and the half-spaces beyond the sides of all regions."""
     parts = _on_path(scene, scene.cargo if loaded else ())
     tray = parts[0]
     points = [(item.points - tray.position) @ tray.rotation for item in parts]
@@ -102,10 +102,10 @@ def scene_bodies(scene: Scene, *, loaded: bool = True) -> tuple[Body, ...]:
     """
     arm = [_capsule(item) for item in placed_capsules(scene.robot)]
     still = [Body(item.name, 0, item.shape, item.position, item.rotation, item) for item in scene.obstacles]
-    return (*arm, *_carried(scene, scene.cargo if loaded else ()), *still)
+    return (*arm, *_load_bodies(scene, scene.cargo if loaded else ()), *still)
 
 
-def _carried(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
+def _load_bodies(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
     """Holder, tray and cargo in the frame of the last joint."""
     chain = arm_chain(scene.robot)
     tray, *objects = _on_path(scene, cargo)
@@ -127,13 +127,13 @@ def _on_path(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
     position, rotation = chain.flange_position + axes @ tool.position, axes @ tool.rotation
     up, (length, width) = rotation[:, 2], scene.tray.size
     board = box_shape((float(length), float(width), TRAY_THICKNESS))
-    found = [Body(TRAY, last, board, position - TRAY_THICKNESS / 2 * up, rotation, on_path=True)]
+    bodies = [Body(TRAY, last, board, position - TRAY_THICKNESS / 2 * up, rotation, on_path=True)]
     for item in cargo:
         turn = rotation @ about_axis((0.0, 0.0, 1.0), item.yaw)
         place, off = position + rotation @ item.place, _place_tolerance(item, cargo)
         shape = cargo_shape(item, place_tolerance=off)
-        found.append(Body(item.name, last, shape, place, turn, on_path=True, place_tolerance=off))
-    return found
+        bodies.append(Body(item.name, last, shape, place, turn, on_path=True, place_tolerance=off))
+    return bodies
 
 
 def _place_tolerance(item: Cargo, cargo: Sequence[Cargo]) -> float:

@@ -29,14 +29,14 @@ def box_bounds(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> tuple
     if not pairs:
         return np.zeros((0, frames.position.shape[1])), np.zeros((0, frames.position.shape[1], 3))
     low, high = np.array([box_about(body.shape) for body, _ in pairs]).transpose(1, 0, 2)[:, :, None]
-    joints, own = [body.joint for body, _ in pairs], np.array([body.rotation for body, _ in pairs])
-    axes = frames.rotation[joints] @ own[:, None]
-    origin = frames.position[joints] + _turned(frames.rotation[joints], np.array([body.position for body, _ in pairs]))
+    joints, box_axes = [body.joint for body, _ in pairs], np.array([body.rotation for body, _ in pairs])
+    axes = frames.rotation[joints] @ box_axes[:, None]
+    origin = frames.position[joints] + _turn(frames.rotation[joints], np.array([body.position for body, _ in pairs]))
     others = [capsule.joint for _, capsule in pairs]
     ends = np.array([capsule.points[[0, -1]] for _, capsule in pairs])
     back = np.swapaxes(axes, 2, 3)
     start, end = (
-        _turned(back, frames.position[others] + _turned(frames.rotation[others], ends[:, index]) - origin)
+        _turn(back, frames.position[others] + _turn(frames.rotation[others], ends[:, index]) - origin)
         for index in (0, 1)
     )
     axis = end - start
@@ -46,7 +46,7 @@ def box_bounds(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> tuple
     error = _ROUNDING * np.sqrt(np.sum(axis * axis, axis=-1))
     radii = np.array([capsule.shape.ball for _, capsule in pairs])[:, None]
     away = np.where(distance[..., None] > _SHORTEST, gap / np.maximum(distance, _SHORTEST)[..., None], [0.0, 0.0, 1.0])
-    return distance - error - radii, _turned(axes, away)
+    return distance - error - radii, _turn(axes, away)
 
 
 def ball_bounds(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> np.ndarray:
@@ -88,7 +88,7 @@ def _nearest_share(start: np.ndarray, axis: np.ndarray, low: np.ndarray, high: n
     return np.where(inside, before + (after - before) * down / (down - up), np.where(falls[..., -1], 1.0, 0.0))
 
 
-def _turned(turns: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+def _turn(turns: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Vectors (k, m, 3) or (k, 3) turned by axes (k, m, 3, 3)."""
     some = vectors[:, None] if vectors.ndim == 2 else vectors
     return (turns @ some[..., None])[..., 0]

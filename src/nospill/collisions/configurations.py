@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from nospill.collisions.along_path import room_bounds
+from nospill.collisions.along_path import slack_bounds
 from nospill.collisions.bodies import Body
 from nospill.collisions.box_bounds import box_about
 from nospill.collisions.capsule_distances import are_capsules
@@ -20,7 +20,7 @@ class Configurations:
     """Looks at configurations of one scene.
 
     Of pairs with what stands still, a ball about the first body and a box about the second spare most of them the query
-    of coal; of the arm with itself and its load, what `room_bounds` says of them.
+    of coal; of the arm with itself and its load, what `slack_bounds` says of them.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -36,7 +36,7 @@ class Configurations:
 
         Args:
             q: (m, n), rad.
-            spare: (m,) room to keep from obstacles beside what must be kept, m; none when left out.
+            spare: (m,) slack to keep from obstacles in addition to the clearance, m; none when left out.
 
         Returns:
             (m,) of bool.
@@ -51,21 +51,21 @@ class Configurations:
     def _look_at_itself(self, free: np.ndarray, frames: JointFrames) -> None:
         room = room_bounds(self._own, frames, enough=0.0)
         exact = np.array([are_capsules(pair.first, pair.second) for pair in self._own], dtype=bool)
-        free &= ~np.any(room[exact] < 0.0, axis=0)
+        free &= ~np.any(slack[exact] < 0.0, axis=0)
         for index in np.flatnonzero(~exact):
-            pair, near = self._own[index], np.flatnonzero(free & (room[index] < 0.0))
+            pair, near = self._own[index], np.flatnonzero(free & (slack[index] < 0.0))
             if len(near):
                 free[near] = self._measure(pair).at(frames, near)[0] >= pair.limit
 
     def _look_around(self, free: np.ndarray, frames: JointFrames, spare: np.ndarray) -> None:
         wanted = self._limits[:, None] + spare
-        joints, points, own, first, second = self._bodies
+        joints, points, body_axes, first, second = self._bodies
         turns, at = frames.rotation[joints], frames.position[joints]
         centres, origins = (at + (turns @ part[:, None, :, None])[..., 0] for part in points)
-        axes = turns @ own[:, None]
+        axes = turns @ body_axes[:, None]
         low, high, radii = self._sizes
         # what stands still has the same axes everywhere
-        local = (centres[first] - origins[second]) @ own[second]
+        local = (centres[first] - origins[second]) @ body_axes[second]
         beyond = np.maximum(np.maximum(low - local, local - high), 0.0)
         gaps = np.sqrt(np.einsum("kmi,kmi->km", beyond, beyond)) - radii
         pairs, looks = np.nonzero(gaps < wanted)

@@ -51,12 +51,12 @@ class Distances:
 
     def at(self, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (m,), m, and unit directions (m, 3) from the first body to the second, at some of the samples."""
-        (positions, rotations), (others, turns) = (_placed(body, frames, samples) for body in (self.first, self.second))
+        (positions, rotations), (others, turns) = (_pose(body, frames, samples) for body in (self.first, self.second))
         back = np.swapaxes(turns, 1, 2)
         gaps, turned = (back @ (positions - others)[:, :, None])[:, :, 0], back @ rotations
-        found, normals = np.empty(len(samples)), np.empty((len(samples), 3))
+        distance, normals = np.empty(len(samples)), np.empty((len(samples), 3))
         for index, (gap, turn) in enumerate(zip(gaps, turned, strict=True)):
-            found[index] = self.between(turn, gap)
+            distance[index] = self.between(turn, gap)
             normals[index] = self._result.normal
         if self.second.shape.kind == "halfspace":
             directions = -turns[:, :, 2]
@@ -64,7 +64,7 @@ class Distances:
             directions = (turns @ normals[:, :, None])[:, :, 0]
         lengths = np.linalg.norm(directions, axis=1, keepdims=True)
         # what gives no direction gives no bound either: any will do
-        return found, np.where(lengths > _SHORTEST, directions / np.maximum(lengths, _SHORTEST), [0.0, 0.0, 1.0])
+        return distance, np.where(lengths > _SHORTEST, directions / np.maximum(lengths, _SHORTEST), [0.0, 0.0, 1.0])
 
 
 def distances_of(first: Body, second: Body) -> Distances | CapsuleDistances:
@@ -124,7 +124,7 @@ def _support(
     return along + np.max(values, axis=1) + shape.ball
 
 
-def _placed(body: Body, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _pose(body: Body, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Position (m, 3) and axes (m, 3, 3) of a body's own frame."""
     turns = frames.rotation[body.joint][samples]
     return frames.position[body.joint][samples] + turns @ body.position, turns @ body.rotation

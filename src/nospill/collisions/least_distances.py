@@ -56,7 +56,7 @@ class LeastDistance:
 def least_distances(
     motion: SampledMotion, pairs: Sequence[Pair], *, beyond: float = np.inf
 ) -> tuple[LeastDistance, ...]:
-    """Of every subject among pairs the distance that leaves the least room, in the order of their first ones.
+    """Of every subject among pairs the distance that leaves the least slack, in the order of their first ones.
 
     Args:
         motion: of the arm.
@@ -69,8 +69,8 @@ def least_distances(
     if not subjects:
         return ()
     search = _Search(motion, pairs, beyond)
-    found = [(group, *search.least_of(group)) for group in subjects.values()]
-    return tuple(LeastDistance(group[number], distance, at) for group, number, distance, at in found)
+    nearest = [(group, *search.least_of(group)) for group in subjects.values()]
+    return tuple(LeastDistance(group[number], distance, at) for group, number, distance, at in nearest)
 
 
 class _Blocks:
@@ -146,7 +146,7 @@ class _Search:
         return self.partitions[size]
 
     def least_of(self, pairs: Sequence[Pair]) -> tuple[int, float, float]:
-        """Of some pairs the one with the least room above its limit: its number, its distance, m, and where, s."""
+        """Of some pairs the one with the least slack above its limit: its number, its distance, m, and where, s."""
         number, (least, at) = 0, self._least(pairs[0], np.inf)
         for own, pair in enumerate(pairs[1:], start=1):
             lower = pair.limit - pairs[number].limit

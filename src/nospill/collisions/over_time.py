@@ -37,9 +37,9 @@ def nearest_over_time(scene: Scene, q: np.ndarray) -> tuple[NearestOverTime, ...
     groups: dict[str, list[Pair]] = {}
     for pair in scene_pairs(scene):
         groups.setdefault("" if pair.second.obstacle is None else pair.second.name, []).append(pair)
-    found = []
+    histories = []
     for name, pairs in groups.items():
         distances = np.array([distances_of(pair.first, pair.second).at(frames, every)[0] for pair in pairs])
         nearest = pairs[int(np.argmin(distances.min(axis=1)))]
-        found.append(NearestOverTime(name, nearest.limit, distances.min(axis=0), nearest.subject))
-    return tuple(found)
+        histories.append(NearestOverTime(name, nearest.limit, distances.min(axis=0), nearest.subject))
+    return tuple(histories)

@@ -62,7 +62,7 @@ class Pair:
 
     @property
     def note(self) -> str:
-        """What the distance rests on beside the numbers of the scenario, in words; empty where on nothing."""
+        """What the distance rests on in addition to the numbers of the scenario, in words; empty where on nothing."""
         off = max(self.first.place_tolerance, self.second.place_tolerance)
         notes = [f"position +-{1e3 * off:.4g} mm"] if off else []
         return ", ".join([*notes, "estimated capsules"] if self.limit < 0.0 else notes)
@@ -148,7 +148,7 @@ class SelfCollision:
 def scene_pairs(scene: Scene, *, loaded: bool = True) -> tuple[Pair, ...]:
     """The pairs that are judged.
 
-    Everything that moves with every obstacle; tray and cargo, as one, with what is beside each side of every region;
+    Everything that moves with every obstacle; tray and cargo, as one, with what is beyond each side of every region;
     the arm with itself and its load.
     """
     return _pairs(scene, loaded)
@@ -177,7 +177,7 @@ def _pairs(scene: Scene, loaded: bool) -> tuple[Pair, ...]:
         Pair(body, item, item.obstacle.clearance)
         for item in bodies
         if item.obstacle is not None
-        for body in own
+        for body in moving
         if body.joint
     ]
     if scene.regions:
@@ -188,7 +188,7 @@ def _pairs(scene: Scene, loaded: bool) -> tuple[Pair, ...]:
     table = _table(scene)
     may_enter = _OF_RADIUS if are_estimated(scene.robot) else 0.0
     against = []
-    for first, second in combinations(own, 2):
+    for first, second in combinations(moving, 2):
         if first.joint == second.joint or (second.of_arm and not table[second.name, first.name].judged):
             continue
         depth = may_enter * sum(body.shape.ball for body in (first, second) if body.of_arm and body.name != HOLDER)
@@ -207,7 +207,7 @@ def _table(scene: Scene) -> Mapping[tuple[str, str], SampledPair]:
     return _sampled(scene.robot, [body for body in _bodies(scene, True) if body.of_arm])
 
 
-def _sampled(robot: Robot, parts: Sequence[Body]) -> Mapping[tuple[str, str], SampledPair]:
+def _sampled_pairs(robot: Robot, parts: Sequence[Body]) -> Mapping[tuple[str, str], SampledPair]:
     """By both names. Bodies of one link belong together: the one that touches most speaks for all."""
     shapes = tuple((body.name, body.joint, body.shape.ball, *body.points.ravel().tolist()) for body in parts)
     ranges = tuple(part.tobytes() for part in (robot.lower, robot.upper, robot.home) if part is not None)
@@ -215,7 +215,7 @@ def _sampled(robot: Robot, parts: Sequence[Body]) -> Mapping[tuple[str, str], Sa
     if key not in _KNOWN:
         if len(_KNOWN) >= _MOST_KNOWN:
             _KNOWN.clear()
-        _KNOWN[key] = _sampled_anew(robot, parts)
+        _KNOWN[key] = _sample_pairs(robot, parts)
     return _KNOWN[key]
 
 
@@ -224,7 +224,7 @@ _MOST_KNOWN = 16
 """Arms whose table is kept."""
 
 
-def _sampled_anew(robot: Robot, parts: Sequence[Body]) -> dict[tuple[str, str], SampledPair]:
+def _sample_pairs(robot: Robot, parts: Sequence[Body]) -> dict[tuple[str, str], SampledPair]:
     generator = np.random.default_rng(_SEED)
     q = generator.uniform(robot.lower, robot.upper, (SAMPLES, len(robot.joints)))
     if robot.home is not None:
@@ -236,6 +236,6 @@ def _sampled_anew(robot: Robot, parts: Sequence[Body]) -> dict[tuple[str, str], 
         names = first.name, second.name
         touching[names] = touching.get(names, False) | (distances < 0.0)
     return {
-        names: SampledPair(*names, float(np.mean(own[:SAMPLES])), bool(np.any(own[SAMPLES:])))
-        for names, own in touching.items()
+        names: SampledPair(*names, float(np.mean(touches[:SAMPLES])), bool(np.any(touches[SAMPLES:])))
+        for names, touches in touching.items()
     }

@@ -27,9 +27,9 @@ def planes(pair: Pair, frames: JointFrames, samples: np.ndarray) -> tuple[np.nda
         Unit normals (m, 3) from the first body to the second, and offsets (m,), m, in the frame of the second's joint:
         along its normal every point of the second body is at least the offset; and the distances (m,) of the two, m.
     """
-    found, directions = distances_of(pair.first, pair.second).at(frames, samples)
+    distance, directions = distances_of(pair.first, pair.second).at(frames, samples)
     normals = (directions[:, None] @ frames.rotation[pair.second.joint][samples])[:, 0]
-    return normals, -_support(pair.second, -normals), found
+    return normals, -_support(pair.second, -normals), distance
 
 
 _TURNS, _TILTS = 72, 3

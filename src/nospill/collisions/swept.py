@@ -30,13 +30,13 @@ def swept_outlines(scene: Scene, q: np.ndarray, plane: np.ndarray) -> dict[bool,
         Convex polygons (k, 2), m, of the tray and what stands on it by True, of the arm and its holder by False.
     """
     frames = joint_frames(arm_chain(scene.robot), q)
-    found: dict[bool, list[np.ndarray]] = {False: [], True: []}
+    outlines: dict[bool, list[np.ndarray]] = {False: [], True: []}
     for body in scene_bodies(scene):
         if body.obstacle is None:
             turns, places = frames.rotation[body.joint], frames.position[body.joint]
             seen = [_points(body, place, turn, plane) for place, turn in zip(places, turns, strict=True)]
-            found[body.on_path] += [_hull(np.concatenate(pair)) for pair in pairwise(seen)]
-    return found
+            outlines[body.on_path] += [_hull(np.concatenate(pair)) for pair in pairwise(seen)]
+    return outlines
 
 
 def outline(body: Body, plane: np.ndarray) -> np.ndarray:

@@ -15,36 +15,36 @@ LEVEL, TRAPEZOID = "level tray", "trapezoid"
 """What a plan is compared with, as reports and the summary name it."""
 
 
-def compared(found: Plan, *, say: Callable[[str], None] = lambda _: None) -> Plan:
+def compared(planned: Plan, *, say: Callable[[str], None] = lambda _: None) -> Plan:
     """The plan with `report.compared`: s, of the fastest certified motion of each kind, by name.
 
     What has no certified motion is left out; so is the level tray where the plan's own is level.
 
     Args:
-        found: the plan.
+        planned: the plan.
         say: called with what is computed next.
     """
     durations: dict[str, float] = {}
-    if found.scene.motion.tilt_free:
+    if planned.scene.motion.tilt_free:
         say(LEVEL)
-        level = _level(found)
+        level = _level(planned)
         if level is not None:
             durations[LEVEL] = level
     say(TRAPEZOID)
-    trapezoid = trapezoid_motion(found.scene, found.duration)
+    trapezoid = trapezoid_motion(planned.scene, planned.duration)
     if trapezoid is not None:
         durations[TRAPEZOID] = trapezoid.end_time
-    return replace(found, report=replace(found.report, compared=durations))
+    return replace(planned, report=replace(planned.report, compared=durations))
 
 
-def _level(found: Plan) -> float | None:
+def _level(planned: Plan) -> float | None:
     """Duration of the fastest certified motion of the same task on a level tray, s."""
-    source = dict(found.scene.source)
+    source = dict(planned.scene.source)
     given = source.get("motion")
     motion = {key: value for key, value in given.items() if key != "duration"} if isinstance(given, dict) else {}
     table = {**source, "motion": {**motion, "tilt": "fixed"}}
     try:
-        level = plan(scene_from_table(table, name=found.scene.name).limited_as(found.scene))
+        level = plan(scene_from_table(table, name=planned.scene.name).limited_as(planned.scene))
     except NospillError:
         return None
     return level.duration if level.certificate.ok else None

@@ -44,8 +44,8 @@ def trapezoid_motion(scene: Scene, least: float) -> Trajectory | None:
 
     def tried(duration: float) -> Trajectory | None:
         try:
-            found = trapezoid_trajectory(level, way, duration)
-            return found if certify(found, level).ok else None
+            trajectory = trapezoid_trajectory(level, way, duration)
+            return trajectory if certify(trajectory, level).ok else None
         except ModelError:
             return None  # too fast for the liquids to be integrated, or for the joints
 
@@ -55,6 +55,6 @@ def trapezoid_motion(scene: Scene, least: float) -> Trajectory | None:
         best = tried(high)
     while best is not None and high - low > _EXACT * high:
         middle = 0.5 * (low + high)
-        found = tried(middle)
-        low, high, best = (middle, high, best) if found is None else (low, middle, found)
+        trajectory = tried(middle)
+        low, high, best = (middle, high, best) if trajectory is None else (low, middle, trajectory)
     return best

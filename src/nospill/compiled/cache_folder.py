@@ -29,10 +29,10 @@ def cache_folder() -> Path:
 def is_private(folder: Path) -> bool:
     """Whether a folder is there and only this user can put libraries into it; warns where others can."""
     try:
-        found = folder.stat()
+        status = folder.stat()
     except OSError:
         return False
-    if found.st_uid == os.getuid() and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+    if status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
         return True
     warnings.warn(
         f"NOSPILL_CACHE = {folder}: compiled functions are not used, planning is slower: the folder belongs to another "

@@ -7,7 +7,7 @@ library is put in place last (see `cache_folder` for who may).
 
 What is not compiled is interpreted on many columns at once where the interpreter can be had (see `interpreter`), and by
 CasADi's virtual machine otherwise. In the background functions are compiled when a plan is there
-(`compiles_afterwards`) or the process ends: beside a plan the compilers made it twice as slow.
+(`compiles_afterwards`) or the process ends: while a plan is made the compilers made it twice as slow.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def functions(
             _compile_waiting(wait=True)
             ready = _load(kind, structure)
         if ready is None:
-            return made | _interpreted(tapes), data, False
+            return made | _interpret(tapes), data, False
     return *ready, True
 
 
@@ -106,7 +106,7 @@ def _tapes(made: Functions, of_columns: Shared, steps: int) -> dict[str, Tape]:
     return {name: tape for name, tape in found.items() if tape is not None}
 
 
-def _interpreted(tapes: Mapping[str, Tape]) -> Functions:
+def _interpret(tapes: Mapping[str, Tape]) -> Functions:
     """The functions interpreted on many columns; none where the interpreter cannot be had, or not yet."""
     library = small_library("interpreter", wait=sum(tape.count for tape in tapes.values()) >= _LONG) if tapes else None
     if library is None:
@@ -211,7 +211,7 @@ def source_digest() -> str:
     """Of the source that decides what functions are built."""
     digest = hashlib.sha256()
     package = Path(__file__).parents[1]
-    for file in sorted(file for room in _SOURCES for file in (package / room).rglob("*.py")):
+    for file in sorted(file for folder in _SOURCES for file in (package / folder).rglob("*.py")):
         digest.update(file.relative_to(package).as_posix().encode())
         digest.update(file.read_bytes())
     return digest.hexdigest()

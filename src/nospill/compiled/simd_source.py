@@ -105,8 +105,8 @@ def source(tape: Tape) -> str:
         "  four* m = (four*)(((uintptr_t)w + 31) / 32 * 32);",
     ]
     inputs = list(enumerate(zip(memory.inputs, tape.rows_in, strict=True)))
-    own, shared = ([item for item in inputs if (item[0] in tape.shared) == wanted] for wanted in (False, True))
-    lines += [f"  load(arg[{index}], {rows}, m + {place});" for index, (place, rows) in own]
+    per_column, shared = ([item for item in inputs if (item[0] in tape.shared) == wanted] for wanted in (False, True))
+    lines += [f"  load(arg[{index}], {rows}, m + {place});" for index, (place, rows) in per_column]
     lines.append(f"  for (long long k = 0; k < {tape.steps}; ++k) {{")
     lines += [f"    load_shared({_at(f'arg[{index}]', rows)}, {rows}, m + {place});" for index, (place, rows) in shared]
     lines += [f"    {part}(m);" for part in parts]
@@ -127,7 +127,7 @@ def _at(array: str, numbers: int) -> str:
 def _statements(tape: Tape, memory: _Memory) -> list[_Statement]:
     """The instructions, equal ones once; operands are numbers of statements, since a tape uses its registers again."""
     statements: list[_Statement] = []
-    found: dict[_Statement, int] = {}
+    numbers: dict[_Statement, int] = {}
     value = [0] * tape.registers
     for operation, to, one, other in zip(*(tape.code[place::4] for place in range(4)), strict=True):
         if operation >= FIRST:
@@ -140,7 +140,7 @@ def _statements(tape: Tape, memory: _Memory) -> list[_Statement]:
             statement = (f"m[{memory.inputs[one] + other}]", (), None)
         else:
             statement = (f"ALL({_number(tape.constants[one])})", (), None)
-        value[to] = found.setdefault(statement, len(statements))
+        value[to] = numbers.setdefault(statement, len(statements))
         if value[to] == len(statements):
             statements.append(statement)
     return statements

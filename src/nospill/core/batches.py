@@ -134,20 +134,20 @@ def evaluate(function: Any, columns: list[np.ndarray], shared: np.ndarray) -> np
     count = columns[0].shape[1]
     at_once = columns_at_once(function, [len(columns)])
     chunk = min(_CHUNK, -(-count // at_once) * at_once)
-    mapped = _mapped(function, chunk)
+    mapped = _map_function(function, chunk)
     whole = -(-count // chunk) * chunk
-    inputs = [_repeated(_columns(column), whole) for column in columns]
+    inputs = [_pad_rows(_columns(column), whole) for column in columns]
     parameters = _columns(shared)
     result = np.empty((whole, function.size1_out(0)))
     buffer, evaluate_now = mapped.buffer()
     for first in range(0, whole, chunk):
         part = slice(first, first + chunk)
-        _connect(mapped, buffer, [*(own[part] for own in inputs), parameters], result[part])
+        _connect(mapped, buffer, [*(input[part] for input in inputs), parameters], result[part])
         evaluate_now()
     return result[:count].T
 
 
-def _repeated(samples: np.ndarray, count: int) -> np.ndarray:
+def _pad_rows(samples: np.ndarray, count: int) -> np.ndarray:
     """As many samples, one a row; the last again and again behind those that are there."""
     missing = count - len(samples)
     # np.pad does the same in two and a half times the time
@@ -155,5 +155,5 @@ def _repeated(samples: np.ndarray, count: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def _mapped(function: Any, count: int) -> Any:
+def _map_function(function: Any, count: int) -> Any:
     return over_columns(function, count, [function.n_in() - 1])

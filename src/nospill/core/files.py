@@ -87,7 +87,7 @@ def atomic_folder(target: str | Path, *, replaceable: Replaceable) -> Iterator[P
     lock = None
     try:
         partial.mkdir(parents=True)
-        lock = _locked(partial)
+        lock = _lock(partial)
         _clear_abandoned(place)
         yield partial
         _flush_tree(partial)
@@ -224,7 +224,7 @@ def _swap(partial: Path, place: Path, old: Path, replaceable: Replaceable) -> No
     raise PlanFolderError(f"{place} is being written by other runs all the time; name another folder")
 
 
-def _locked(folder: Path) -> int | None:
+def _lock(folder: Path) -> int | None:
     """A descriptor that locks a folder as long as it is open, at most until the process ends; None without locks."""
     if fcntl is None:
         return None
@@ -244,14 +244,14 @@ def _clear_abandoned(place: Path) -> None:
     """
     if fcntl is None:
         return
-    for found in place.parent.glob(f".{glob.escape(place.name)}.*.partial"):
+    for folder in place.parent.glob(f".{glob.escape(place.name)}.*.partial"):
         with suppress(OSError):
-            unmistakable = re.fullmatch(r"[0-9a-f]{8}", found.name.removesuffix(".partial")[-8:]) and found.is_dir()
-            if not unmistakable or found.is_symlink() or time.time() - found.stat().st_mtime < _JUST_MADE:
+            unmistakable = re.fullmatch(r"[0-9a-f]{8}", folder.name.removesuffix(".partial")[-8:]) and folder.is_dir()
+            if not unmistakable or folder.is_symlink() or time.time() - folder.stat().st_mtime < _JUST_MADE:
                 continue
-            lock = _locked(found)
+            lock = _lock(folder)
             if lock is not None:
-                shutil.rmtree(found, ignore_errors=True)
+                shutil.rmtree(folder, ignore_errors=True)
                 os.close(lock)
 
 

@@ -72,15 +72,15 @@ def _read(file: str | os.PathLike[str], obj: Callable[[str], _T], stl: Callable[
         if size > LARGEST_MESH:
             raise UnreadableError(f"is larger than {LARGEST_MESH / 1e6:g} MB ({size / 1e6:.1f} MB); simplify it")
         data = path.read_bytes()
-        found = obj(data.decode()) if kind == ".obj" else stl(data)
+        mesh = obj(data.decode()) if kind == ".obj" else stl(data)
     except OSError as error:
         raise UnreadableError(f"cannot be read: {error.strerror or error}") from None
     except ValueError as error:  # a NUL character in the path, bytes that are no text, words that are no numbers
         raise UnreadableError(f"cannot be read: {error}") from None
-    points = found[0] if isinstance(found, tuple) else np.asarray(found)
+    points = mesh[0] if isinstance(mesh, tuple) else np.asarray(mesh)
     if len(points) < 4 or not np.all(np.isfinite(points)):
         raise UnreadableError("holds no solid")
-    return found
+    return mesh
 
 
 def _stl_points(data: bytes) -> np.ndarray:

@@ -69,10 +69,10 @@ def bspline_pieces(points: np.ndarray, degree: int, knots: np.ndarray) -> Pieces
                 f"B-spline of degree {degree} with knot {knot:g}: its second derivative jumps there, so the tray's "
                 "acceleration would; raise the degree or remove the repeated knot"
             )
-    return _expanded(points, degree, knots, np.concatenate(([0.0], np.unique(inner), [1.0])))
+    return _expand(points, degree, knots, np.concatenate(([0.0], np.unique(inner), [1.0])))
 
 
-def _expanded(points: np.ndarray, degree: int, knots: np.ndarray, breaks: np.ndarray) -> Pieces:
+def _expand(points: np.ndarray, degree: int, knots: np.ndarray, breaks: np.ndarray) -> Pieces:
     """A B-spline about the left ends of its spans between `breaks`."""
     return Pieces(breaks, _Expansion.between(breaks, knots, degree).of(points))
 
@@ -106,8 +106,8 @@ class _Expansion:
         widths = [knots[degree + 1 : last - order] - knots[order + 1 : last - degree] for order in range(degree)]
         # between knots repeated beyond the degree stands a control point that governs no span
         factors = tuple(
-            np.divide(degree - order, own, out=np.zeros_like(own), where=own > 0.0)[:, None]
-            for order, own in enumerate(widths)
+            np.divide(degree - order, width, out=np.zeros_like(width), where=width > 0.0)[:, None]
+            for order, width in enumerate(widths)
         )
         return cls(span - degree, basis, factors)
 
@@ -128,7 +128,7 @@ class _Expansion:
 
 
 def interpolating_spline(x: np.ndarray, values: np.ndarray, degree: int) -> Pieces:
-    """Not-a-knot spline through values: no break beside the ends, so that n conditions suffice [de Boor, ch. XIII].
+    """Not-a-knot spline through values: no break next to the ends, so that n conditions suffice [de Boor, ch. XIII].
 
     CasADi solves for the control points: loading SciPy for its `make_interp_spline`, which does the same, takes a third
     of a second.
@@ -172,8 +172,8 @@ class _Interpolation:
 @lru_cache(maxsize=8)
 def _interpolation(places: bytes, degree: int) -> _Interpolation:
     """Of places (n,) as bytes: motions, tilt and progress of one record are splines on the same ones."""
-    x, beside = np.frombuffer(places), (degree + 1) // 2
-    inner = x[beside:-beside] if len(x) > degree + 1 else x[:0]
+    x, ends = np.frombuffer(places), (degree + 1) // 2
+    inner = x[ends:-ends] if len(x) > degree + 1 else x[:0]
     knots = np.concatenate([np.repeat(x[0], degree + 1), inner, np.repeat(x[-1], degree + 1)])
     breaks = np.concatenate([x[:1], inner, x[-1:]])
     span = _span_of(x, knots, degree)

@@ -19,10 +19,10 @@ def short_names(names: Sequence[str]) -> list[str]:
     if len(words) < 2:
         return list(names)
     while _all_have(words, -1):
-        words = [own[:-1] for own in words]
-    while _all_have(words, 0) and not any(own[1][:1].isdigit() for own in words):
-        words = [own[1:] for own in words]
-    return ["_".join(own) for own in words]
+        words = [parts[:-1] for parts in words]
+    while _all_have(words, 0) and not any(parts[1][:1].isdigit() for parts in words):
+        words = [parts[1:] for parts in words]
+    return ["_".join(parts) for parts in words]
 
 
 def _all_have(words: Sequence[Sequence[str]], place: int) -> bool:

@@ -15,8 +15,8 @@ def nearest(name: str, known: Iterable[str], *, likeness: float = 0.6) -> str | 
         likeness: least ratio of `difflib.SequenceMatcher`, 0 to 1.
     """
     by_plain = {_plain(item): item for item in known}
-    found = difflib.get_close_matches(_plain(name), list(by_plain), n=1, cutoff=likeness)
-    return by_plain[found[0]] if found else None
+    matches = difflib.get_close_matches(_plain(name), list(by_plain), n=1, cutoff=likeness)
+    return by_plain[matches[0]] if matches else None
 
 
 def _plain(name: str) -> str:

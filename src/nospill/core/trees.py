@@ -54,7 +54,7 @@ def symbolic(template: Record, vector: SX) -> Record:
     size = len(flatten(template))
     if vector.numel() != size:
         raise ValueError(f"vector has {vector.numel()} entries, the record {size}")
-    record, _ = _unflatten(template, vector, 0, _shaped)
+    record, _ = _unflatten(template, vector, 0, _shape)
     return record
 
 
@@ -88,7 +88,7 @@ def _unflatten(template: Any, vector: Any, start: int, shaped: Callable[[Any, tu
     return shaped(vector[start : start + size], shape), start + size
 
 
-def _shaped(piece: SX, shape: tuple[int, ...]) -> Any:
+def _shape(piece: SX, shape: tuple[int, ...]) -> Any:
     if len(shape) == 2:
         return ca.reshape(piece, *shape)
     if len(shape) == 3:

@@ -44,7 +44,7 @@ def relaxed_joint_limit(
     index = scene.robot.joints.index(subject)
     robot = own_robot(scene)
     own = None if robot is None else getattr(robot, attribute)
-    room = np.full(len(now), MOST) if own is None else own / now - 1.0
+    widening = np.full(len(now), MOST) if own is None else own / now - 1.0
     limits = _limits_table(scene)
     scale = limits.get(f"{key}_scale")
     if scale is not None:
@@ -63,13 +63,13 @@ def relaxed_joint_limit(
         return [Relaxation(constraint, subject, 1.0 / factor - 1.0, rescaled, loosened)]
     if f"{key}_scale" in limits:  # a scale of values that are given too: none of the two alone says what to write
         return []
-    able = [joint for joint in range(len(now)) if room[joint] > 1e-6]
+    able = [joint for joint in range(len(now)) if widening[joint] > 1e-6]
     relaxations = []
     for chosen in ([index], able) if is_main(subject, constraint, sensitivities) else (able,):
 
         def raised(share: float, chosen: list[int] = chosen) -> np.ndarray:
             values = now.copy()
-            values[chosen] = np.minimum(now[chosen] * (1.0 + share), now[chosen] * (1.0 + room[chosen]))
+            values[chosen] = np.minimum(now[chosen] * (1.0 + share), now[chosen] * (1.0 + widening[chosen]))
             return values
 
         def change(share: float, raised: Raised = raised, chosen: list[int] = chosen) -> Change:
@@ -82,7 +82,7 @@ def relaxed_joint_limit(
         def stronger(share: float, raised: Raised = raised) -> Scene:
             return _with_limits(scene, attribute, raised(share))
 
-        relaxations.append(Relaxation(constraint, subject, min(float(room[index]), MOST), change, stronger))
+        relaxations.append(Relaxation(constraint, subject, min(float(widening[index]), MOST), change, stronger))
     return relaxations
 
 

@@ -27,12 +27,12 @@ def is_helped(helped: list[tuple[float, Change]], relaxation: Relaxation) -> boo
     return any(change.place == place for _, change in helped)
 
 
-def least_share(trials: Trials, relaxation: Relaxation, found: Found, share: float) -> float | None:
+def least_share(trials: Trials, relaxation: Relaxation, motion: Found, share: float) -> float | None:
     """Least share of a relaxation that makes the fastest motion fast enough, by secants in logarithms; else None."""
     limit, best = trials.limit, None
-    points = [(0.0, found.duration)]
+    points = [(0.0, motion.duration)]
     for _ in range(_SOLVES):
-        trial = _with_relaxation(trials, relaxation, share, found)
+        trial = _with_relaxation(trials, relaxation, share, motion)
         if trial is not None:
             points.append((share, trial.duration))
             if trial.duration <= WITHIN * limit:
@@ -43,10 +43,10 @@ def least_share(trials: Trials, relaxation: Relaxation, found: Found, share: flo
             break
         wider = 1.5 * share + 0.05 if trial is None else _next_share(points, 0.5 * (WITHIN + _CLOSE) * limit)
         share = min(wider, relaxation.most)
-    return None if best is None else _confirmed(trials, relaxation, min(best * SPARE, relaxation.most))
+    return None if best is None else _confirm(trials, relaxation, min(best * SPARE, relaxation.most))
 
 
-def _confirmed(trials: Trials, relaxation: Relaxation, share: float) -> float | None:
+def _confirm(trials: Trials, relaxation: Relaxation, share: float) -> float | None:
     """The share with which a motion is found from nothing too, as a user will who writes it into the file."""
     for _ in range(_CONFIRMATIONS):
         trial = trials.fastest(relaxation.scene(share))

@@ -55,13 +55,13 @@ def last_resort(run: Searcher, joint_path: JointPath, last: Answer | None) -> An
     require_possible_at_rest(trials)
     if run.out_of_time():
         raise no_time_to_plan(run.scene, last)
-    found = trials.fastest(run.scene, enough=trials.limit)
-    if found is not None and found.duration <= trials.limit:
+    motion = trials.fastest(run.scene, enough=trials.limit)
+    if motion is not None and motion.duration <= trials.limit:
         if run.scene.motion.duration is None:
-            return found.answer
-        raise _faster_only(run.scene.motion.duration, found)
-    if found is not None:
-        raise _too_slow(trials, found)
+            return motion.answer
+        raise _faster_only(run.scene.motion.duration, motion)
+    if motion is not None:
+        raise _too_slow(trials, motion)
     raise not_found(trials, last)
 
 
@@ -96,30 +96,30 @@ class _Culprit:
     at_s: float
 
 
-def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
+def _too_slow(trials: Trials, motion: Found) -> NoSolutionError:
     """The error for a task whose fastest motion takes longer than it may."""
     scene, limit = trials.run.scene, trials.limit
-    culprits = _with_residual(scene, _culprits(found))
-    sensitivities = {key: sensitivity.elasticity for key, sensitivity in found.sensitivities.items()}
+    culprits = _with_residual(scene, _culprits(motion))
+    sensitivities = {key: sensitivity.elasticity for key, sensitivity in motion.sensitivities.items()}
     options: list[tuple[float, Relaxation, float]] = []
     for culprit in culprits:
         for relaxation in relaxations_of(scene, culprit.constraint, culprit.subject, sensitivities):
-            guess = first_share(found.duration, limit, culprit.elasticity)
+            guess = first_share(motion.duration, limit, culprit.elasticity)
             options.append((min(guess, relaxation.most), relaxation, guess))
     helped: list[tuple[float, Change]] = []
     for share, relaxation, _ in sorted(options, key=lambda option: option[2])[:_MOST_TRIED]:
         if not trials.over and not is_helped(helped, relaxation):
-            enough = least_share(trials, relaxation, found, share)
+            enough = least_share(trials, relaxation, motion, share)
             if enough is not None:
                 helped.append((enough, relaxation.change(enough)))
-    helped += _other_end(trials, found)
+    helped += _other_end(trials, motion)
     helped += _less_turn(trials)
     helped.sort(key=lambda entry: entry[0])
-    named = _named(helped, culprits)
+    named = _limiting_constraint(helped, culprits)
     singular = (
         at_singularity(scene.robot, trials.joint_path, culprits[0].constraint, culprits[0].at_s) if culprits else None
     )
-    needed = found.duration * max(
+    needed = motion.duration * max(
         [_TIME_SPARE, *(_JERK_SPARE for item in culprits if item.constraint == JointJerk.name)]
     )
     key = "max_duration" if scene.motion.duration is None else "duration"
@@ -127,7 +127,7 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
     helped.append((needed / limit - 1.0, Change(key, f"motion.{key}", needed, text)))
     changes = [change for _, change in sorted(helped, key=lambda entry: entry[0])]
     held = ""
-    reason = Reason(MOTION, key, "motion", None, found.duration / limit - 1.0)
+    reason = Reason(MOTION, key, "motion", None, motion.duration / limit - 1.0)
     if singular is not None:
         held = f", held back by {singular.in_words(scene.path)}"
         reason = replace(reason, constraint="singularity", subject=scene.robot.name, at_s=singular.s)
@@ -138,15 +138,15 @@ def _too_slow(trials: Trials, found: Found) -> NoSolutionError:
         reason = replace(reason, constraint=named.constraint, subject=named.subject, at_s=named.at_s)
     return NoSolutionError(
         f"No motion found: none within {key} {limit:.3g} s; "
-        f"the fastest found takes {found.duration:.3g} s{held}. " + advice(changes, ""),
+        f"the fastest found takes {motion.duration:.3g} s{held}. " + advice(changes, ""),
         replace(reason, changes=tuple(changes)),
     )
 
 
-def _culprits(found: Found) -> list[_Culprit]:
+def _culprits(motion: Found) -> list[_Culprit]:
     """The constraints that hold a motion back, strongest first, each with the subject that does most."""
     by_constraint: dict[str, list[tuple[float, str, float]]] = {}
-    for (name, subject), sensitivity in found.sensitivities.items():
+    for (name, subject), sensitivity in motion.sensitivities.items():
         by_constraint.setdefault(name, []).append((sensitivity.elasticity, subject, sensitivity.at_s))
     culprits = []
     for name, members in by_constraint.items():
@@ -175,7 +175,7 @@ def _slowest_liquid(scene: Scene) -> str | None:
     return min(swings, key=lambda name: swings[name]) if swings else None
 
 
-def _named(helped: list[tuple[float, Change]], culprits: list[_Culprit]) -> _Culprit | None:
+def _limiting_constraint(helped: list[tuple[float, Change]], culprits: list[_Culprit]) -> _Culprit | None:
     """The constraint that the message names: that of the smallest change, else that of most sensitivity."""
     change = next((change for _, change in helped if change.constraint), None)
     if change is None:
@@ -184,7 +184,7 @@ def _named(helped: list[tuple[float, Change]], culprits: list[_Culprit]) -> _Cul
     return next(own, _Culprit(change.constraint, change.subject, 0.0, 1.0))  # or what a milder end condition leaves out
 
 
-def _other_end(trials: Trials, found: Found) -> list[tuple[float, Change]]:
+def _other_end(trials: Trials, motion: Found) -> list[tuple[float, Change]]:
     """A milder end condition, where it makes the motion fast enough."""
     scene = trials.run.scene
     slowest = _slowest_liquid(scene)
@@ -193,7 +193,7 @@ def _other_end(trials: Trials, found: Found) -> list[tuple[float, Change]]:
     for end in _MILDER[scene.motion.end]:
         if trials.over:
             break
-        trial = trials.fastest(replace(scene, motion=replace(scene.motion, end=end)), near=found.stages)
+        trial = trials.fastest(replace(scene, motion=replace(scene.motion, end=end)), near=motion.stages)
         if trial is not None and trial.duration <= WITHIN * trials.limit:
             text = f'end "{end}" instead of "{scene.motion.end}"'
             return [(_SWITCH, Change.of_limit(_STILL, slowest, "motion.end", end, text))]

@@ -44,7 +44,7 @@ def not_found(trials: Trials, last: Answer | None) -> NoSolutionError:
             return _singular(trials, singular, finding, worst.use - 1.0, changes)
         said = f"{without_time(worst)} at {place_in_words(scene.path, at_s)}"
         if worst.constraint == Clearance.name and has_found_path(scene):
-            text = f"No way found: on the one with most room {said}, and random searches found no clear one. "
+            text = f"No way found: on the one with most slack {said}, and random searches found no clear one. "
             text += advice(changes, "Move the obstacle, the ends of the path or the arm's base.")
         else:
             text = f"No motion found: {said}, even in a smooth motion of {0.95 * slow:.3g} s. "
@@ -76,7 +76,7 @@ def ways_round(trials: Trials, at_s: float) -> tuple[Change, ...]:
 def _singular(
     trials: Trials, singular: Singularity, finding: str, excess: float | None = None, changes: Sequence[Change] = ()
 ) -> NoSolutionError:
-    """The error for a singularity beside the path; `finding` says what is wrong there."""
+    """The error for a singularity near the path; `finding` says what is wrong there."""
     scene, found = trials.run.scene, (*ways_round(trials, singular.s), *changes)
     return NoSolutionError(
         f"No motion found: the path passes {singular.in_words(scene.path)}; {finding}. "
@@ -139,10 +139,10 @@ def _no_time_to_solve(trials: Trials, last: Solution) -> NoSolutionError:
     scene, usual = trials.run.scene, 120.0
     now = scene.planning.max_solve_time
     patient = replace(scene, planning=replace(scene.planning, max_solve_time=usual))
-    found = trials.fastest(patient)
+    motion = trials.fastest(patient)
     text = f"max_solve_time {usual:.4g} s instead of {now:.3g} s"
     change = Change("solver", "planning.max_solve_time", usual, text)
-    changes = (change,) if found is not None and found.duration <= trials.limit else ()
+    changes = (change,) if motion is not None and motion.duration <= trials.limit else ()
     return NoSolutionError(
         f"No motion found: {last.status} ({now:.3g} s, {last.iterations} iterations). "
         + advice(changes, "Give it more time."),

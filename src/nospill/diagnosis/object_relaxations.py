@@ -18,11 +18,11 @@ from nospill.scene.scene import Scene
 def relaxed_friction(scene: Scene, constraint: str, subject: str, sensitivities: Sensitivities) -> list[Relaxation]:
     """The object's own friction if it has one, else the tray's, which is that of all without their own."""
     names = [cargo.name for cargo in scene.cargo]
-    own = "friction" in entry_of(scene, subject)
+    has_friction = "friction" in entry_of(scene, subject)
     now = scene.cargo[names.index(subject)].friction
-    alike = [index for index, name in enumerate(names) if name == subject or not own]
-    alike = [index for index in alike if own or "friction" not in entry_of(scene, names[index])]
-    place, whose = (f"cargo.{subject}.friction", subject) if own else ("tray.friction", "tray")
+    alike = [index for index, name in enumerate(names) if name == subject or not has_friction]
+    alike = [index for index in alike if has_friction or "friction" not in entry_of(scene, names[index])]
+    place, whose = (f"cargo.{subject}.friction", subject) if has_friction else ("tray.friction", "tray")
 
     def change(share: float) -> Change:
         value = now * (1.0 + share)
@@ -47,7 +47,7 @@ def relaxed_slosh_height(scene: Scene, constraint: str, subject: str, sensitivit
     for chosen in ([index], same) if sharing else ([index],):
         if len(chosen) == 1 and sharing and not is_main(subject, constraint, sensitivities):
             continue
-        rooms = [_room(filled[names[i]]) / now - 1.0 for i in chosen]
+        shares = [_largest_height(filled[names[i]]) / now - 1.0 for i in chosen]
         place, whose = (subject, subject) if len(chosen) == 1 else (EVERY, "all cups")
 
         def change(share: float, place: str = place, whose: str = whose) -> Change:
@@ -59,7 +59,7 @@ def relaxed_slosh_height(scene: Scene, constraint: str, subject: str, sensitivit
             indices = [index for index, item in enumerate(scene.cargo) if item.name in whose]
             return with_cargo(scene, indices, lambda item: _with_limit(item, now * (1.0 + share)))
 
-        relaxations.append(Relaxation(constraint, subject, min(rooms), change, higher))
+        relaxations.append(Relaxation(constraint, subject, min(shares), change, higher))
     return relaxations
 
 
@@ -68,7 +68,7 @@ def _with_limit(item: Cargo, max_slosh_height: float) -> Cargo:
     return replace(item, filling=replace(item.filling, max_slosh_height=max_slosh_height))
 
 
-def _room(cargo: Cargo) -> float:
+def _largest_height(cargo: Cargo) -> float:
     assert cargo.filling is not None
     return cargo.container.height - cargo.filling.liquid_height
 

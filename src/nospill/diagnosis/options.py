@@ -61,9 +61,9 @@ def option_groups(scene: Scene, reason: Reason) -> Iterator[list[Option]]:
     yield smaller_turn(scene)
     yield _lower_tray(scene)
     yield _shifts(scene, reason)
-    yield _turned_tray(scene)
+    yield _tray_directions(scene)
     if reason.constraint != "reach":
-        yield _turned_base(scene)
+        yield _base_directions(scene)
 
 
 def _task(scene: Scene) -> Task:
@@ -173,7 +173,7 @@ def smaller_turn(scene: Scene) -> list[Option]:
     return [Option(amounts, 1.0 / math.pi, moved, change, lambda amount: min(amount + _SPARE_ANGLE, turn))]
 
 
-def _turned_tray(scene: Scene) -> list[Option]:
+def _tray_directions(scene: Scene) -> list[Option]:
     """The tray mounted in another direction."""
     task = _task(scene)
     return _both_ways(
@@ -184,7 +184,7 @@ def _turned_tray(scene: Scene) -> list[Option]:
     )
 
 
-def _turned_base(scene: Scene) -> list[Option]:
+def _base_directions(scene: Scene) -> list[Option]:
     """The base turned about the world's vertical, which is the path turned the other way about it."""
     given = _robot_table(scene).get("base_yaw", 0.0)
     if given == "free":
@@ -236,15 +236,15 @@ def _both_ways(now: float, what: str, place: str, moved: Callable[[float], Task]
 
 def _wider_limit(scene: Scene, reason: Reason) -> list[Option]:
     """The limit that is passed, where the scenario and not the robot has set it."""
-    robot, own = scene.robot, own_robot(scene)
+    robot, described = scene.robot, own_robot(scene)
     joint, excess = robot.joints.index(reason.subject), reason.excess or 0.0
     task = _task(scene)
     options = []
     for key, limits, sign in (("upper", robot.upper, 1.0), ("lower", robot.lower, -1.0)):
-        room = math.inf if own is None else float(sign * (getattr(own, key) - limits)[joint])
-        if room < 1e-6:
+        spare = math.inf if described is None else float(sign * (getattr(described, key) - limits)[joint])
+        if spare < 1e-6:
             continue
-        most = min(room, 4.0 * excess + math.radians(5.0))
+        most = min(spare, 4.0 * excess + math.radians(5.0))
 
         def moved(amount: float, key: str = key, limits: np.ndarray = limits, sign: float = sign) -> Task:
             values = limits.copy()
@@ -260,6 +260,6 @@ def _wider_limit(scene: Scene, reason: Reason) -> list[Option]:
 
         amounts = tuple(most * part / 8.0 for part in range(1, 9))
         options.append(
-            Option(amounts, 1.0 / math.pi, moved, change, lambda amount, room=room: min(amount + _SPARE_ANGLE, room))
+            Option(amounts, 1.0 / math.pi, moved, change, lambda amount, spare=spare: min(amount + _SPARE_ANGLE, spare))
         )
     return options

@@ -48,7 +48,7 @@ def require_possible_at_rest(trials: Trials) -> None:
     """Raise NoSolutionError if a limit is broken somewhere on the path even by standing there with a level tray."""
     scene, joint_path = trials.run.scene, trials.joint_path
     certain = trials.run.trial(scene, joint_path).scene
-    key = _broken_at_rest(certain, joint_path)
+    key = _row_at_rest(certain, joint_path)
     if key is None:
         return
     judged = quasi_static_motion(with_time(scene, max(trials.limit, SLOW)), joint_path)
@@ -67,7 +67,7 @@ def require_possible_at_rest(trials: Trials) -> None:
     )
 
 
-def _broken_at_rest(scene: Scene, joint_path: JointPath) -> RowId | None:
+def _row_at_rest(scene: Scene, joint_path: JointPath) -> RowId | None:
     """The row that standing along the path with a level tray breaks most; None where it keeps all."""
     still = smooth_start(with_time(scene, _STANDING), joint_path, 50, Start(stretch=1e9))
     problem = build_problem(

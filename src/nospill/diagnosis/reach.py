@@ -82,12 +82,12 @@ def helpful_changes(scene: Scene, reason: Reason, confirm: Confirm) -> tuple[Cha
         confirm: whether a motion is found for a changed task.
     """
     clock = _Clock()
-    found: list[tuple[float, Change]] = []
+    helpful: list[tuple[float, Change]] = []
     for options in option_groups(scene, reason):
         best = _least(scene, options, clock, confirm, partial(_follows, aside=reason.constraint == "singularity"))
         if best is not None:
-            found.append(best)
-    return tuple(change for _, change in sorted(found, key=lambda entry: entry[0]))
+            helpful.append(best)
+    return tuple(change for _, change in sorted(helpful, key=lambda entry: entry[0]))
 
 
 def _least(

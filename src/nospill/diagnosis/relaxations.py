@@ -35,19 +35,19 @@ def relaxations_of(scene: Scene, constraint: str, subject: str, sensitivities: S
     limit = BY_NAME[constraint].limit_key if constraint in BY_NAME else None
     match limit:
         case ObjectKey():
-            found = _OF_OBJECTS[limit.key](scene, constraint, subject, sensitivities)
+            relaxations = _OF_OBJECTS[limit.key](scene, constraint, subject, sensitivities)
         case JointKey():
-            found = relaxed_joint_limit(scene, limit, constraint, subject, sensitivities)
+            relaxations = relaxed_joint_limit(scene, limit, constraint, subject, sensitivities)
             if limit.falls_with_load:
-                found += lighter_load(scene, constraint, subject)
+                relaxations += lighter_load(scene, constraint, subject)
         case MotionKey():
-            found = _relaxed_rule(scene, limit, constraint, subject)
+            relaxations = _rule_relaxations(scene, limit, constraint, subject)
         case None:
-            found = []
-    return [relaxation for relaxation in found if relaxation.most > _SMALLEST]
+            relaxations = []
+    return [relaxation for relaxation in relaxations if relaxation.most > _SMALLEST]
 
 
-def _relaxed_rule(scene: Scene, limit: MotionKey, constraint: str, subject: str) -> list[Relaxation]:
+def _rule_relaxations(scene: Scene, limit: MotionKey, constraint: str, subject: str) -> list[Relaxation]:
     """A rule of the motion, wider."""
     key = limit.key
     now = float(getattr(scene.motion, key))

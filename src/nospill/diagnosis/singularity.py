@@ -58,7 +58,7 @@ class Singularity:
 def nearest_singularity(robot: Robot, joint_path: JointPath) -> Singularity | None:
     """The singularity that a joint path of six joints comes nearest to; None where it stays away from all.
 
-    Near one the determinant of the Jacobian is small beside its median along the path, and a joint turns fast. The
+    Near one the determinant of the Jacobian is small against its median along the path, and a joint turns fast. The
     joint motion of the least singular value leaves the tray nearly at rest [Siciliano et al., Robotics, sec. 3.3]. A
     path straight through one needs no fast joint and is passed; it counts for nothing here.
     """

@@ -32,11 +32,11 @@ def _read(wanted: PackagedMeshes) -> dict[str, Mesh] | None:
     parts: dict[str, list[Mesh]] = {}
     for item in wanted.links:
         try:
-            own = creased(coarse(Mesh(*mesh_triangles(place / item.file))))
+            mesh = creased(coarse(Mesh(*mesh_triangles(place / item.file))))
         except UnreadableError:  # another version of the package; a picture of capsules beats none
             return None
         rotation = Rotation.from_euler("xyz", item.rpy).as_matrix()
-        parts.setdefault(item.link, []).append(transform_mesh(own, np.array(item.position), rotation))
+        parts.setdefault(item.link, []).append(transform_mesh(mesh, np.array(item.position), rotation))
     return {link: merge_meshes(meshes) for link, meshes in parts.items()}
 
 

@@ -127,15 +127,15 @@ class SceneBuilder:
     def bodies(self, index: int) -> list[Body]:
         """Everything at a picture of the film."""
         film, scene = self.film, self.film.plan.scene
-        found = [*self._path, *self._around, *self._arm(index)]
+        bodies = [*self._path, *self._around, *self._arm(index)]
         position, rotation = film.tray_position[index], film.tray_rotation[index]
-        found.append(Body(transform_mesh(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
+        bodies.append(Body(transform_mesh(self._board, position, rotation), np.array(BOARD, dtype=float), Kind.BOARD))
         for cargo in scene.cargo:
-            own = self._where(cargo)
-            foot, turned = position + rotation @ own.position[index], rotation @ own.rotation[index]
+            placed = self._where(cargo)
+            foot, turned = position + rotation @ placed.position[index], rotation @ placed.rotation[index]
             for mesh, colour, kind in self._object(cargo, index):
-                found.append(Body(transform_mesh(mesh, foot, turned), colour, kind, cargo.name))
-        return found
+                bodies.append(Body(transform_mesh(mesh, foot, turned), colour, kind, cargo.name))
+        return bodies
 
     def _where(self, cargo: Cargo) -> Placed:
         """Where an object stands at every picture: what a carrier holds goes along with it."""
@@ -143,46 +143,46 @@ class SceneBuilder:
         carrier = self._placed.get(cargo.carrier)
         if carrier is None:
             return self._placed.get(cargo.name) or placement_at_rest(cargo, count)
-        own = placement_at_rest(cargo, count)
+        placed = placement_at_rest(cargo, count)
         rest = placement_at_rest(next(item for item in self.film.plan.scene.cargo if item.name == cargo.carrier), count)
         turn = carrier.rotation @ np.swapaxes(rest.rotation, 1, 2)
-        arm = (turn @ (own.position - rest.position)[:, :, None])[:, :, 0]
-        return Placed(carrier.position + arm, turn @ own.rotation)
+        arm = (turn @ (placed.position - rest.position)[:, :, None])[:, :, 0]
+        return Placed(carrier.position + arm, turn @ placed.rotation)
 
     def _arm(self, index: int) -> list[Body]:
         colour = np.array(ARM, dtype=float)
-        found = []
+        bodies = []
         base = self._links.get(self._chain.base)
         if base is not None:
-            found.append(Body(base, colour, Kind.OPAQUE))
+            bodies.append(Body(base, colour, Kind.OPAQUE))
         for joint, (position, rotation) in zip(self._chain.joints, self._frames, strict=True):
             mesh = self._links.get(joint.child)
             if mesh is not None:
-                found.append(Body(transform_mesh(mesh, position[index], rotation[index]), colour, Kind.OPAQUE))
-        return found
+                bodies.append(Body(transform_mesh(mesh, position[index], rotation[index]), colour, Kind.OPAQUE))
+        return bodies
 
     def _object(self, cargo: Cargo, index: int) -> list[tuple[Mesh, np.ndarray, Kind]]:
         """Meshes of an object in its container frame."""
-        found: list[tuple[Mesh, np.ndarray, Kind]] = []
+        parts: list[tuple[Mesh, np.ndarray, Kind]] = []
         if not cargo.carrier:
             contact = use_colours(self.film.contact_use[cargo.name][index : index + 1])[0].astype(float)
-            found.append((contact_collar(cargo.container), contact, Kind.OPAQUE))
+            parts.append((contact_collar(cargo.container), contact, Kind.OPAQUE))
         if cargo.contents is not None:
-            found.append((_glass(cargo), np.array(SOLID, dtype=float), Kind.GLASS))
-            return found
+            parts.append((_glass(cargo), np.array(SOLID, dtype=float), Kind.GLASS))
+            return parts
         if cargo.filling is None:
-            found.append((container_body(cargo.container, hollow=False), np.array(SOLID, dtype=float), Kind.OPAQUE))
-            return found
+            parts.append((container_body(cargo.container, hollow=False), np.array(SOLID, dtype=float), Kind.OPAQUE))
+            return parts
         track = self.film.liquids[cargo.name]
         colour = use_colours(track.height[index : index + 1] / track.limit)[0].astype(float)
-        found += _liquid(self._surfaces[cargo.name], track.coordinates[index], colour)
-        found.append((_glass(cargo), np.array(CUP, dtype=float), Kind.GLASS))
+        parts += _liquid(self._surfaces[cargo.name], track.coordinates[index], colour)
+        parts.append((_glass(cargo), np.array(CUP, dtype=float), Kind.GLASS))
         limit = limit_ring(cargo)
         if limit is not None:
-            found.append((limit, np.array(rgb(RED), dtype=float), Kind.MARK))
+            parts.append((limit, np.array(rgb(RED), dtype=float), Kind.MARK))
         rim = outline_at(cargo.container, cargo.container.height)
-        found.append((ribbon(_at(rim, cargo.container.height), _RING), np.array(rgb(GREY), dtype=float), Kind.MARK))
-        return found
+        parts.append((ribbon(_at(rim, cargo.container.height), _RING), np.array(rgb(GREY), dtype=float), Kind.MARK))
+        return parts
 
 
 def limit_ring(cargo: Cargo) -> Mesh | None:

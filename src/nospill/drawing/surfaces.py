@@ -184,6 +184,8 @@ def _wall(cargo: Cargo, section: Footprint) -> np.ndarray:
     if yaw is None:
         return rows
     only = np.zeros((WALL_POINTS, rows.shape[1]))
-    own = np.r_[len(rows[0]) - 3 - len(yaw.oscillators) : len(rows[0]) - 3, len(rows[0]) - 1]
-    only[:, own] = np.column_stack([np.array([mode.wall_gains for mode in yaw.oscillators]).T, -yaw.static_correction])
+    yaw_columns = np.r_[len(rows[0]) - 3 - len(yaw.oscillators) : len(rows[0]) - 3, len(rows[0]) - 1]
+    only[:, yaw_columns] = np.column_stack(
+        [np.array([mode.wall_gains for mode in yaw.oscillators]).T, -yaw.static_correction]
+    )
     return np.concatenate([rows, only])

@@ -138,9 +138,9 @@ def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[s
     for number, (cargo, part) in enumerate(zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)):
         if cargo.filling is None:
             continue
-        own = coordinates[:, part]
+        displacement = coordinates[:, part]
         lean = leans[:, 3 * number : 3 * number + 2 + cargo.filling.turns]
-        together = np.column_stack([own, lean if scene.fidelity == "full" else np.zeros_like(lean)])
+        together = np.column_stack([displacement, lean if scene.fidelity == "full" else np.zeros_like(lean)])
         height = liquid_surface(cargo).crest(together)
         tracks[cargo.name] = LiquidTrack(together, height, cargo.filling.max_slosh_height)
     return tracks
@@ -160,8 +160,10 @@ def _leans(scene: Scene, body: np.ndarray) -> np.ndarray:
     numbers = constants(numbers_of(scene))
     motion = SX.sym("body", 9)
     rows = []
-    for own in numbers.objects:
-        at_surface = object_motion(own, body_motion(motion)).at(ca.vertcat(0, 0, own.liquid_height))
+    for object_numbers in numbers.objects:
+        at_surface = object_motion(object_numbers, body_motion(motion)).at(
+            ca.vertcat(0, 0, object_numbers.liquid_height)
+        )
         surface, turn = at_surface.specific_force, at_surface.angular_acceleration[2]
         rows.append(ca.vertcat(surface[:2], turn) / surface[2])
     if not rows:

@@ -98,11 +98,11 @@ def headings(rotation: np.ndarray) -> np.ndarray:
     sine = rotation[:, 1, 0] - rotation[:, 0, 1]
     cosine = rotation[:, 0, 0] + rotation[:, 1, 1]
     angle = np.arctan2(sine, cosine)
-    found = np.zeros_like(rotation)
-    found[:, 0, 0] = found[:, 1, 1] = np.cos(angle)
-    found[:, 1, 0], found[:, 0, 1] = np.sin(angle), -np.sin(angle)
-    found[:, 2, 2] = 1.0
-    return found
+    rotations = np.zeros_like(rotation)
+    rotations[:, 0, 0] = rotations[:, 1, 1] = np.cos(angle)
+    rotations[:, 1, 0], rotations[:, 0, 1] = np.sin(angle), -np.sin(angle)
+    rotations[:, 2, 2] = 1.0
+    return rotations
 
 
 def viewpoint(films: Sequence[Film], view: View, *, aspect: float) -> Camera:
@@ -170,7 +170,7 @@ def best_direction(films: Sequence[Film], view: View, *, aspect: float) -> np.nd
         ride = camera_frame(film, view)
         normal = np.einsum("mji,mj->mi", ride.rotation, film.tray_rotation[:, :, 2])
         worst = np.minimum(worst, (normal @ towards.T).min(axis=0))
-        hidden = np.maximum(hidden, _hidden(film, ride, towards) + 1.5 * _overlap(film.plan.scene.cargo, towards))
+        hidden = np.maximum(hidden, _hidden_share(film, ride, towards) + 1.5 * _overlap(film.plan.scene.cargo, towards))
     points = np.concatenate([load_outline(film, view).reshape(-1, 3) for film in films])
     cameras = [framed(points, each, aspect=aspect, angle=_CLOSE_ANGLE) for each in towards]
     distance = np.array([np.linalg.norm(each.position - each.look_at) for each in cameras])
@@ -179,7 +179,7 @@ def best_direction(films: Sequence[Film], view: View, *, aspect: float) -> np.nd
 
 def _overlap(load: Sequence[Cargo], towards: np.ndarray) -> np.ndarray:
     """Part of the objects' area (d,) that lies over others, from far away in directions (d, 3), as boxes."""
-    found = []
+    overlaps = []
     for back in towards:
         right, up, _ = axes_facing(back).T
         boxes = []
@@ -194,11 +194,11 @@ def _overlap(load: Sequence[Cargo], towards: np.ndarray) -> np.ndarray:
             wide = min(2 * min(one[2], other[2]), one[2] + other[2] - abs(one[0] - other[0]))
             tall = min(2 * min(one[3], other[3]), one[3] + other[3] - abs(one[1] - other[1]))
             common += max(wide, 0.0) * max(tall, 0.0)
-        found.append(common / area if area else 0.0)
-    return np.array(found)
+        overlaps.append(common / area if area else 0.0)
+    return np.array(overlaps)
 
 
-def _hidden(film: Film, ride: CameraFrame, towards: np.ndarray) -> np.ndarray:
+def _hidden_share(film: Film, ride: CameraFrame, towards: np.ndarray) -> np.ndarray:
     """Part of the pictures (d,) in which the arm stands between the objects and a far camera in directions (d, 3)."""
     scene = film.plan.scene
     picked = slice(None, None, max(1, len(film.t) // _MOMENTS))
@@ -208,12 +208,12 @@ def _hidden(film: Film, ride: CameraFrame, towards: np.ndarray) -> np.ndarray:
     links = (joints[:, :-1, None] * (1 - along) + joints[:, 1:, None] * along).reshape(len(joints), -1, 3)
     seen = CameraFrame(ride.position[picked], ride.rotation[picked]).seen(links)
     side = float(np.hypot(*scene.tray.size)) / 2
-    found = []
+    hidden = []
     for direction in towards:
         ahead = seen @ direction
         aside = np.linalg.norm(seen - ahead[..., None] * direction, axis=2)
-        found.append(float(np.mean(np.any((ahead > 0.0) & (aside < side), axis=1))))
-    return np.array(found)
+        hidden.append(float(np.mean(np.any((ahead > 0.0) & (aside < side), axis=1))))
+    return np.array(hidden)
 
 
 def _tallest(load: Sequence[Cargo]) -> float:

@@ -41,8 +41,8 @@ def smoothing_errors(motion: Sequence[Trace], read: Sequence[Trace] | None) -> d
     if read is None:
         return {trace.id: np.inf for trace in motion}
     return {
-        trace.id: abs(worst_row(own).worst_margin - worst_row(trace).worst_margin)
-        for trace, own in zip(motion, read, strict=True)
+        trace.id: abs(worst_row(other).worst_margin - worst_row(trace).worst_margin)
+        for trace, other in zip(motion, read, strict=True)
     }
 
 
@@ -54,7 +54,7 @@ def height_bands(
     for index, trace in enumerate(rough):
         if trace.constraint == SloshHeight.name:
             # a drawn motion may be played on a finer grid
-            off = [np.interp(t, own[index].t, own[index].value) for own in drawn if own is not None]
+            off = [np.interp(t, traces[index].t, traces[index].value) for traces in drawn if traces is not None]
             off = np.array(off).reshape(-1, len(t)) - np.interp(t, trace.t, trace.value)
             wide = np.sqrt(np.mean(off**2, axis=0)) if len(off) else np.zeros(len(t))
             bands[trace.subject] = WIDE * wide if len(off) == len(drawn) else np.full(len(t), np.inf)

@@ -1,4 +1,4 @@
-"""The verdict on what was executed, beside what was planned, with the band that the noise of the log leaves."""
+"""The verdict on what was executed, compared with what was planned, with the band that the noise of the log leaves."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from nospill.execution.bands import (
 from nospill.execution.log import JointLog
 from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samples, stopping_time
 from nospill.execution.smoothing import BANDWIDTH, SmoothJoints
-from nospill.execution.tracking import Tracking, followed_command, tracking
+from nospill.execution.tracking import Tracking, track_command, tracking
 from nospill.judge.certificate import Judgement, judge, judge_joints
 from nospill.judge.clearance import clearance_traces
 from nospill.judge.replay import replay
@@ -160,19 +160,21 @@ def executed(
     span = Span(begin - _BEFORE, begin, end, end + after)
 
     def played(smooth: SmoothJoints | None = None) -> HeldMotion:
-        return _shifted(recorded.held(smooth), clock)
+        return _shift(recorded.held(smooth), clock)
 
     motion = played()
     record = samples(motion, scene.robot.joints, span, _RATE)
     judgement = judge_joints(record, scene, motion=motion)
     distances = [row for row in judgement.certificate.rows if row.constraint == Clearance.name]
     rough = _traces(motion, scene, span, distances)
-    drawn = [_followed(played(own), scene, span, distances) for own in _draws(recorded)]
-    smoothing = smoothing_errors(rough, _followed(played(recorded.coarser), scene, span, distances))
+    drawn = [_traces_or_none(played(comparison), scene, span, distances) for comparison in _draws(recorded)]
+    smoothing = smoothing_errors(rough, _traces_or_none(played(recorded.coarser), scene, span, distances))
     if plan is not None:
         asked = HeldMotion(plan.trajectory.motion, span.start, span.stop)
         read = played(recorded.reading(asked(recorded.sampling.t - clock)))
-        of_plan = smoothing_errors(_traces(asked, scene, span, distances), _followed(read, scene, span, distances))
+        of_plan = smoothing_errors(
+            _traces(asked, scene, span, distances), _traces_or_none(read, scene, span, distances)
+        )
         smoothing = {key: max(value, of_plan[key]) for key, value in smoothing.items()}
     heights = _heights(judgement.traces)
     return Executed(
@@ -188,8 +190,8 @@ def executed(
         planned=None if plan is None else judge(plan.trajectory, plan.scene),
         peaks=() if plan is None else _peaks(motion, rough, plan.trajectory.motion, scene, span),
         measured={
-            name: compare(_from_rest(judgement.replay.t, heights[name], _longer(own, recorded)), own)
-            for name, own in given.items()
+            name: compare(_from_rest(judgement.replay.t, heights[name], _longer(comparison, recorded)), comparison)
+            for name, comparison in given.items()
         },
     )
 
@@ -201,15 +203,15 @@ def _tracking(recorded: RecordedMotion, scene: Scene, plan: Plan | None) -> Trac
         kept = recorded.sampling.kept
         command = QUINTIC_SPLINE.motion(JointSamples(recorded.sampling.t, log.command[kept]))
     if plan is not None:
-        found = tracking(recorded, scene, plan.trajectory.motion, plan.duration)
+        against_plan = tracking(recorded, scene, plan.trajectory.motion, plan.duration)
         if command is None:
-            return found
-        of_command = followed_command(recorded, scene, command)
-        return replace(found, delay=of_command.delay, of_command=True)
-    return None if command is None else followed_command(recorded, scene, command)
+            return against_plan
+        of_command = track_command(recorded, scene, command)
+        return replace(against_plan, delay=of_command.delay, of_command=True)
+    return None if command is None else track_command(recorded, scene, command)
 
 
-def _shifted(motion: HeldMotion, clock: float) -> HeldMotion:
+def _shift(motion: HeldMotion, clock: float) -> HeldMotion:
     """The motion on a clock that is at zero when its own is at `clock`."""
 
     def inside(t: np.ndarray, order: int = 0, /) -> np.ndarray:
@@ -229,7 +231,7 @@ def _traces(motion: HeldMotion, scene: Scene, span: Span, distances: Sequence[Ro
     )
 
 
-def _followed(motion: HeldMotion, scene: Scene, span: Span, distances: Sequence[Row]) -> tuple[Trace, ...] | None:
+def _traces_or_none(motion: HeldMotion, scene: Scene, span: Span, distances: Sequence[Row]) -> tuple[Trace, ...] | None:
     """`_traces`; None where the liquids cannot be integrated, as along motions that noise has made rough."""
     try:
         return _traces(motion, scene, span, distances)

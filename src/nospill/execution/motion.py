@@ -93,7 +93,7 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
     """
     _check_positions(log, scene)
     sampling = sampling_of(log)
-    smooth, coarser, followed = _smoothed(log.position[sampling.kept], sampling, bandwidth)
+    smooth, coarser, followed = _smooth(log.position[sampling.kept], sampling, bandwidth)
     t = np.arange(sampling.t[0], sampling.t[-1], sampling.period)
     speed = np.abs(smooth(t, 1))
     _check_speeds(log, scene, t, speed)
@@ -108,7 +108,7 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
                 f"{log.origin}: the log {word} midway: {log.joints[fastest]} moves at {speed[index, fastest]:.3g} "
                 f"rad/s at t = {t[index]:.3f} s; record from rest to rest, since the liquids are known at rest only"
             )
-    found = RecordedMotion(
+    motion = RecordedMotion(
         log,
         sampling,
         smooth,
@@ -118,20 +118,20 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
         begin=float(t[moving[0]]),
         end=float(t[moving[-1]]),
     )
-    _check_level(found, scene)
-    return found
+    _check_level(motion, scene)
+    return motion
 
 
-def _smoothed(position: np.ndarray, sampling: Sampling, bandwidth: float) -> tuple[SmoothJoints, SmoothJoints, float]:
+def _smooth(position: np.ndarray, sampling: Sampling, bandwidth: float) -> tuple[SmoothJoints, SmoothJoints, float]:
     """The splines, those with knots twice as far apart, and the bandwidth, Hz: all of it where there is no noise."""
     highest = 0.5 / sampling.period
 
     def fitted(bandwidth: float) -> SmoothJoints:
         return smooth_joints(sampling.t, position, sampling.period, bandwidth=bandwidth, rest=_RESTING)
 
-    found = fitted(highest)
-    if np.max(found.noise) <= _NO_SENSOR:
-        return found, fitted(0.5 * highest), highest
+    splines = fitted(highest)
+    if np.max(splines.noise) <= _NO_SENSOR:
+        return splines, fitted(0.5 * highest), highest
     bandwidth = min(bandwidth, highest)
     return fitted(bandwidth), fitted(0.5 * bandwidth), bandwidth
 

@@ -20,7 +20,7 @@ _ROUNDING = 1e-13
 _ON_GRID, _ON_ONE_GRID = 0.02, 0.98
 """Multiples of the least difference count as whole within the first; of a resolution, so many of them are."""
 _PARTS = 4
-_APART, _BESIDE = 20, 21
+_APART, _AROUND = 20, 21
 """Rows between the stamps from which the usual step is taken, and rows on either side of a gap from which it is told:
 their median is right to a tenth of a period where the stamps are off by a third of it."""
 _GAP = 0.1
@@ -73,14 +73,14 @@ def sampling_of(log: JointLog) -> Sampling:
         raise ScenarioError(f"{log.origin}: its time never advances; a column of times in s is needed")
     resolution = np.array([_resolution(column) for column in log.position.T])
     again = (steps == 0.0) & np.all(np.diff(log.position, axis=0) == 0.0, axis=1)
-    doubled = _doubled(log.position, float(np.max(resolution))) | np.concatenate([[False], again])
+    doubled = _repeated_rows(log.position, float(np.max(resolution))) | np.concatenate([[False], again])
     ticks = _ticks(steps, usual, ~again)
     period, first = np.polyfit(ticks, log.t, 1)
     off = log.t - (first + period * ticks)
     jitter = float(np.sqrt(np.mean(off**2)))
     kept = np.flatnonzero(~doubled & np.concatenate([[True], np.diff(ticks) > 0]))
     uneven = jitter > _UNEVEN * period
-    share = 1.0 if uneven else _followed(log.position, ticks, off, kept, float(period))
+    share = 1.0 if uneven else _jitter_share(log.position, ticks, off, kept, float(period))
     if share >= 0.5:
         kept = kept[np.concatenate([[True], np.diff(log.t[kept]) > 0.0])]
     t = log.t[kept] if share >= 0.5 else first + period * ticks[kept]
@@ -116,7 +116,7 @@ def _ticks(steps: np.ndarray, usual: float, new: np.ndarray) -> np.ndarray:
     for row in long[
         np.argsort(-steps[long - 1], kind="stable")
     ]:  # wide gaps first, which would pass for narrow ones beside them
-        behind = np.median(late[row : row + _BESIDE]) - np.median(late[max(0, row - _BESIDE) : row])
+        behind = np.median(late[row : row + _AROUND]) - np.median(late[max(0, row - _AROUND) : row])
         missing = int(np.round(behind / usual))
         if missing > 0:
             advance[row - 1] += missing
@@ -138,7 +138,7 @@ def _resolution(values: np.ndarray) -> float:
     return 0.0
 
 
-def _doubled(position: np.ndarray, resolution: float) -> np.ndarray:
+def _repeated_rows(position: np.ndarray, resolution: float) -> np.ndarray:
     """Rows that repeat the one before, the arm moving before and after them, (m,)."""
     steps = np.max(np.abs(np.diff(position, axis=0)), axis=1)
     moves = steps > _STEPS_OF_RESOLUTION * resolution
@@ -146,7 +146,7 @@ def _doubled(position: np.ndarray, resolution: float) -> np.ndarray:
     return np.concatenate([[False], (steps == 0.0) & before & after])
 
 
-def _followed(position: np.ndarray, ticks: np.ndarray, off: np.ndarray, kept: np.ndarray, period: float) -> float:
+def _jitter_share(position: np.ndarray, ticks: np.ndarray, off: np.ndarray, kept: np.ndarray, period: float) -> float:
     """Part of the jitter that shows in the positions: least squares of fourth differences, which leave the motion out.
 
     A sample taken late by d is ahead of the even one by its speed times d.
@@ -158,9 +158,9 @@ def _followed(position: np.ndarray, ticks: np.ndarray, off: np.ndarray, kept: np
         return 0.0
     even = ticks[_FOURTH:] - ticks[:-_FOURTH] == _FOURTH
     speed = np.gradient(position, period * ticks, axis=0)
-    found = np.diff(position, _FOURTH, axis=0)[even]
+    differences = np.diff(position, _FOURTH, axis=0)[even]
     expected = np.diff(speed * off[:, None], _FOURTH, axis=0)[even]
     # A leap of the arm itself says nothing: it would weigh more than all the rest.
-    usual = np.abs(found) <= 6.0 * np.median(np.abs(found), axis=0) + 1e-12
+    usual = np.abs(differences) <= 6.0 * np.median(np.abs(differences), axis=0) + 1e-12
     square = float(np.sum(np.where(usual, expected, 0.0) ** 2))
-    return float(np.sum(np.where(usual, expected * found, 0.0))) / square if square > 0.0 else 0.0
+    return float(np.sum(np.where(usual, expected * differences, 0.0))) / square if square > 0.0 else 0.0

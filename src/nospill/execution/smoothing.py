@@ -61,13 +61,13 @@ class SmoothJoints:
         from scipy.linalg import cho_solve_banded
 
         rows = (_design(t, self.knots, order) @ _at_rest(len(self.coefficients))).toarray().T
-        found = [
+        deviations = [
             noise * np.sqrt(np.sum(rows * cho_solve_banded((factor, True), rows), axis=0))
             for noise, factor in zip(self.noise, self.factors, strict=True)
         ]
         places = _greville(self.knots)
-        local = np.column_stack([np.interp(t, places, own) for own in self.local.T])
-        return np.column_stack(found) * local
+        local = np.column_stack([np.interp(t, places, factors) for factors in self.local.T])
+        return np.column_stack(deviations) * local
 
     def drawn(self, generator: np.random.Generator) -> SmoothJoints:
         """A motion that the record could as well be of: drawn from the distribution of the coefficients."""
@@ -106,9 +106,9 @@ def smooth_joints(
     basis = _design(t, knots, 0) @ free
     gram, rough = _bands(basis.T @ basis), _roughness(knots, spans, length)
     fits = [_fit(column, basis, gram, rough) for column in position.T]
-    found, noise, factors, residual = (np.array(part) for part in zip(*fits, strict=True))
-    left = position - basis @ found.T
-    return SmoothJoints(knots, free @ found.T, noise, factors, residual, _local(t, left, knots, period))
+    coefficients, noise, factors, residual = (np.array(part) for part in zip(*fits, strict=True))
+    left = position - basis @ coefficients.T
+    return SmoothJoints(knots, free @ coefficients.T, noise, factors, residual, _local(t, left, knots, period))
 
 
 def _greville(knots: np.ndarray) -> np.ndarray:
@@ -124,14 +124,14 @@ def _local(t: np.ndarray, left: np.ndarray, knots: np.ndarray, period: float) ->
     """
     width = max(3, round(_WINDOW / period))
     window = np.ones(width) / width
-    square = np.column_stack([np.convolve(own**2, window, mode="same") for own in left.T])
+    square = np.column_stack([np.convolve(column**2, window, mode="same") for column in left.T])
     whole = np.mean(left**2, axis=0)
     ratio = np.sqrt(np.where(whole > 0.0, square / np.where(whole > 0.0, whole, 1.0), 1.0))
     places = _greville(knots)
-    found = np.column_stack([np.interp(places, t, np.maximum(own, _LEAST_LOCAL)) for own in ratio.T])
+    local = np.column_stack([np.interp(places, t, np.maximum(column, _LEAST_LOCAL)) for column in ratio.T])
     # coefficients that are one stay one, or drawn motions would not rest at their ends
-    found[:_ENDS], found[len(found) - _ENDS :] = found[_ENDS], found[len(found) - _ENDS - 1]
-    return found
+    local[:_ENDS], local[len(local) - _ENDS :] = local[_ENDS], local[len(local) - _ENDS - 1]
+    return local
 
 
 def _fit(
@@ -148,24 +148,24 @@ def _fit(
     def solved(exponent: float) -> tuple[float, np.ndarray, float, np.ndarray, np.ndarray]:
         weight = 10.0**exponent
         factor = cholesky_banded(gram + weight * rough, lower=True)
-        found = cho_solve_banded((factor, True), wanted)
-        left = values - basis @ found
+        coefficients = cho_solve_banded((factor, True), wanted)
+        left = values - basis @ coefficients
         # wanted @ found is the rest of the sum of squares, but not exactly where little is left of it
         # rounding makes the square of the jerk negative where the penalty outweighs the samples by far
-        variance = (float(left @ left) + max(weight * float(found @ _times(rough, found)), 0.0)) / freedom
+        variance = (float(left @ left) + max(weight * float(coefficients @ _times(rough, coefficients)), 0.0)) / freedom
         variance = max(variance, _LEAST_NOISE**2)
         unlikely = freedom * np.log(variance) + 2.0 * float(np.sum(np.log(factor[0])))
-        return unlikely - (count - _ORDER) * np.log(weight), found, variance, factor, left
+        return unlikely - (count - _ORDER) * np.log(weight), coefficients, variance, factor, left
 
     def unlikely_or_none(exponent: float) -> float:
         try:
             return solved(exponent)[0]
-        except LinAlgError:  # knots without a sample, or a penalty beside which the samples are rounding
+        except LinAlgError:  # knots without a sample, or a penalty against which the samples are rounding
             return np.inf
 
     best: Any = minimize_scalar(unlikely_or_none, bounds=_WEIGHTS, method="bounded", options={"xatol": 0.05})
-    _, found, variance, factor, left = solved(float(best.x))
-    return found + mean, float(np.sqrt(variance)), factor, float(np.sqrt(np.mean(left**2)))
+    _, coefficients, variance, factor, left = solved(float(best.x))
+    return coefficients + mean, float(np.sqrt(variance)), factor, float(np.sqrt(np.mean(left**2)))
 
 
 def _design(t: np.ndarray, knots: np.ndarray, order: int) -> Any:

@@ -1,4 +1,4 @@
-"""What was executed beside what was asked for: the two clocks, the delay of every joint, the distance on the way."""
+"""Executed motion compared with its command: the two clocks, the delay of every joint, the distance on the way."""
 
 from __future__ import annotations
 
@@ -62,20 +62,20 @@ def tracking(recorded: RecordedMotion, scene: Scene, planned: JointMotion, durat
     t = np.arange(0.0, duration + _STEP, _STEP)
     first = float(t[np.argmax(np.max(np.abs(planned(t, 1)), axis=1) > REST)])
     clock = float(delays(executed, planned, t, recorded.begin - first, together=True)[0])
-    found = _compared(executed, planned, t, clock, scene)
-    worst = int(np.argmax(found.error))
-    if found.error[worst] > _OTHER:
+    compared = _compare(executed, planned, t, clock, scene)
+    worst = int(np.argmax(compared.error))
+    if compared.error[worst] > _OTHER:
         raise ScenarioError(
-            f"{recorded.log.origin}: {scene.robot.joints[worst]} is {found.error[worst]:.3g} rad from the plan at "
-            f"t = {found.error_at[worst]:.3f} s: the log of another motion; give the plan that was executed"
+            f"{recorded.log.origin}: {scene.robot.joints[worst]} is {compared.error[worst]:.3g} rad from the plan at "
+            f"t = {compared.error_at[worst]:.3f} s: the log of another motion; give the plan that was executed"
         )
-    return found
+    return compared
 
 
-def followed_command(recorded: RecordedMotion, scene: Scene, command: JointMotion) -> Tracking:
+def track_command(recorded: RecordedMotion, scene: Scene, command: JointMotion) -> Tracking:
     """Compare a log with the command that it has itself, on one clock."""
     t = np.arange(recorded.begin, recorded.end, _STEP)
-    return _compared(recorded.held(), command, t, 0.0, scene, of_command=True)
+    return _compare(recorded.held(), command, t, 0.0, scene, of_command=True)
 
 
 def delays(
@@ -91,28 +91,28 @@ def delays(
         together: one for all joints, (1,); else one each, (n,).
     """
     wanted = asked(t)
-    found = np.full(wanted.shape[1], start)
+    delay = np.full(wanted.shape[1], start)
     for _ in range(_ROUNDS):
-        columns = range(len(found))
-        place = [executed(t + found[j])[:, j] for j in columns] if not together else executed(t + found[0]).T
-        speed = [executed(t + found[j], 1)[:, j] for j in columns] if not together else executed(t + found[0], 1).T
+        columns = range(len(delay))
+        place = [executed(t + delay[j])[:, j] for j in columns] if not together else executed(t + delay[0]).T
+        speed = [executed(t + delay[j], 1)[:, j] for j in columns] if not together else executed(t + delay[0], 1).T
         gap, speed = wanted.T - np.array(place), np.array(speed)
         up, down = np.sum(gap * speed, axis=1), np.sum(speed**2, axis=1)
         if together:
             up, down = np.full_like(up, np.sum(up)), np.full_like(down, np.sum(down))
         step = np.where(down > 0.0, up / np.where(down > 0.0, down, 1.0), 0.0)
-        found = found + step
+        delay = delay + step
         if np.max(np.abs(step)) < 1e-9:
             break
-    return found[:1] if together else found
+    return delay[:1] if together else delay
 
 
-def _compared(
+def _compare(
     executed: JointMotion, asked: JointMotion, t: np.ndarray, clock: float, scene: Scene, *, of_command: bool = False
 ) -> Tracking:
     wanted, done = asked(t), executed(t + clock)
-    own = delays(executed, asked, t, clock) - clock
-    own[np.ptp(wanted, axis=0) < _LEAST_TRAVEL] = np.nan
+    delay = delays(executed, asked, t, clock) - clock
+    delay[np.ptp(wanted, axis=0) < _LEAST_TRAVEL] = np.nan
     error = np.abs(done - wanted)
     still = np.zeros_like(wanted)
     places = [kinematics(scene.robot).motions(q, still, still, tool=scene.tray.tool).position for q in (done, wanted)]
@@ -120,7 +120,7 @@ def _compared(
     at = int(np.argmax(distance))
     return Tracking(
         clock=clock,
-        delay=own,
+        delay=delay,
         of_command=of_command,
         error=np.max(error, axis=0),
         error_at=t[np.argmax(error, axis=0)],

@@ -41,21 +41,21 @@ def _read(path: Path, scene: Scene) -> JointSamples:
     from scipy.io import loadmat
 
     try:
-        found = loadmat(io.BytesIO(path.read_bytes()), simplify_cells=True)
+        content = loadmat(io.BytesIO(path.read_bytes()), simplify_cells=True)
     except OSError as error:
         raise PlanFolderError(f"cannot read {path}: {error.strerror}; write it again with nospill export") from error
     except Exception as error:  # the library lets whatever a damaged file provokes through
         reason = " ".join(str(error).split()) or type(error).__name__
         raise PlanFolderError(f"{path}: damaged, or not a MATLAB file of version 5 ({reason[:120]})") from error
-    missing = [name for name in (*UNITS, "joint_names", "units") if name not in found]
+    missing = [name for name in (*UNITS, "joint_names", "units") if name not in content]
     if missing:
         raise PlanFolderError(f"{path}: the variable {missing[0]} is missing")
-    require_joints(np.atleast_1d(found["joint_names"]).tolist(), scene, path)
-    if found["units"] != UNITS:
-        raise PlanFolderError(f"{path}: its units are {str(found['units'])[:120]}; {UNITS} are expected")
-    t_shape = (np.size(found["t"]),)
+    require_joints(np.atleast_1d(content["joint_names"]).tolist(), scene, path)
+    if content["units"] != UNITS:
+        raise PlanFolderError(f"{path}: its units are {str(content['units'])[:120]}; {UNITS} are expected")
+    t_shape = (np.size(content["t"]),)
     shape = (*t_shape, len(scene.robot.joints))
-    columns = {name: _column(found[name], t_shape if name == "t" else shape, f"{path}, {name}") for name in UNITS}
+    columns = {name: _column(content[name], t_shape if name == "t" else shape, f"{path}, {name}") for name in UNITS}
     return checked_samples(JointSamples(columns["t"], columns["q"], columns["qd"], columns["qdd"]), path)
 
 

@@ -47,15 +47,15 @@ def compare_plan_files(trajectory: Trajectory, scene: Scene, folder: Path) -> di
     }
 
 
-def _difference(found: JointSamples, trajectory: Trajectory, scene: Scene) -> str | None:
+def _difference(samples: JointSamples, trajectory: Trajectory, scene: Scene) -> str | None:
     held = held_samples(commanded(trajectory, scene.controller), scene.motion)
     wanted = held.position
-    if found.position.shape != wanted.shape:
-        return f"holds {len(found.t)} samples of the motion, the trajectory {len(wanted)}"
-    late = float(np.max(np.abs(found.t - held.t)))
+    if samples.position.shape != wanted.shape:
+        return f"holds {len(samples.t)} samples of the motion, the trajectory {len(wanted)}"
+    late = float(np.max(np.abs(samples.t - held.t)))
     if late > 1.0 / trajectory.rate / 2.0:
         return f"is played at another rate: {late:.3g} s off the trajectory's times"
-    apart = np.abs(found.position - wanted)
+    apart = np.abs(samples.position - wanted)
     row, joint = np.unravel_index(int(np.argmax(apart)), apart.shape)
     if apart[row, joint] <= TOLERANCE:
         return None

@@ -42,7 +42,7 @@ _FRAME = "# frame: "
 _START = "# joints at the first row, rad: "
 
 
-def _placed(scene: Scene, frame: str) -> tuple[np.ndarray, np.ndarray]:
+def _world_pose(scene: Scene, frame: str) -> tuple[np.ndarray, np.ndarray]:
     """Origin (3,), m, and axes (3, 3) of a frame in the world."""
     if frame == WORLD:
         return np.zeros(3), np.eye(3)
@@ -86,7 +86,7 @@ def _write(samples: JointSamples, scene: Scene, path: Path, frame: str) -> None:
 
     tray, robot = scene.tray, scene.robot
     position, rotation = kinematics(robot).poses(samples.position, tool=tray.tool)
-    origin, axes = _placed(scene, frame)
+    origin, axes = _world_pose(scene, frame)
     position, rotation = (position - origin) @ axes, axes.T @ rotation
     quaternion = Rotation.from_matrix(rotation).as_quat()
     # q and -q are one attitude: a receiver that interpolates wants neighbours on the same side.
@@ -125,8 +125,8 @@ def _read(path: Path, scene: Scene) -> JointSamples:
         raise PlanFolderError(
             f"{path}, line {first + row + 1}: the quaternion has length {lengths[row]:.9g}, 1 is needed"
         )
-    origin, axes = _placed(scene, frame)
-    joints = _solved(origin + table[:, 1:4] @ axes.T, axes @ matrices(table[:, 4:]), start, scene, path)
+    origin, axes = _world_pose(scene, frame)
+    joints = _solve_joints(origin + table[:, 1:4] @ axes.T, axes @ matrices(table[:, 4:]), start, scene, path)
     return checked_samples(JointSamples(table[:, 0], joints), path)
 
 
@@ -147,7 +147,9 @@ def _start(lines: list[str], scene: Scene, path: Path) -> np.ndarray:
     return np.array(finite_row([value for _, _, value in pairs], len(pairs), f"{path}, joints at the first row"))
 
 
-def _solved(positions: np.ndarray, rotations: np.ndarray, start: np.ndarray, scene: Scene, path: Path) -> np.ndarray:
+def _solve_joints(
+    positions: np.ndarray, rotations: np.ndarray, start: np.ndarray, scene: Scene, path: Path
+) -> np.ndarray:
     """Joints (m, n) that carry the tray through the poses, each solved from the one before."""
     tray = scene.tray
     joints = np.empty((len(positions), len(start)))

@@ -143,12 +143,12 @@ def _read(path: Path, scene: Scene) -> JointSamples:
         if not line or line.startswith("#"):
             continue
         where = f"{path}, line {number}"
-        found = _TARGET.fullmatch(line)
-        if found is None:
+        match = _TARGET.fullmatch(line)
+        if match is None:
             others.append((number, line, len(rows)))
             continue
-        rows.append(finite_row(found[1].split(","), JOINTS, where))
-        period, lookahead, gain = finite_row([found[2], found[3], found[4]], 3, where)
+        rows.append(finite_row(match[1].split(","), JOINTS, where))
+        period, lookahead, gain = finite_row([match[2], match[3], match[4]], 3, where)
         for name, value, (low, high) in (
             ("lookahead_time", lookahead, LOOKAHEAD_RANGE),
             ("gain", gain, GAIN_RANGE),

@@ -162,7 +162,7 @@ def fragments(canvas: Canvas, corners: np.ndarray) -> Fragments:
     x, y = np.where(missed[:, None], 0.0, x), np.where(missed[:, None], 0.0, y)
     rows = np.where(missed, 0, last - first)
     triangle = np.repeat(np.arange(len(corners)), rows)
-    row = _counted(rows) + first[triangle]
+    row = _count_up(rows) + first[triangle]
     left, right = np.full(len(row), -np.inf), np.full(len(row), np.inf)
     clockwise = np.sign(area)
     for here, after in ((0, 1), (1, 2), (2, 0)):
@@ -183,7 +183,7 @@ def fragments(canvas: Canvas, corners: np.ndarray) -> Fragments:
     length = np.maximum(np.clip(np.ceil(right), 0, canvas.width).astype(np.int64) - begin, 0)
     value, along, down = _plane(corners, corners[..., 2])
     start = value[triangle] + down[triangle] * row + along[triangle] * begin
-    offset = _counted(length)
+    offset = _count_up(length)
     pixel = np.repeat(row * canvas.width + begin, length) + offset
     inverse = np.repeat(start, length) + np.repeat(along[triangle], length) * offset
     return Fragments(pixel, np.repeat(triangle, length), inverse)
@@ -192,10 +192,10 @@ def fragments(canvas: Canvas, corners: np.ndarray) -> Fragments:
 def nearest(canvas: Canvas, triangles: Triangles) -> Surface:
     """What is seen of opaque triangles."""
     corners = canvas.project(triangles.corners)
-    found = fragments(canvas, corners)
-    depth = ((1.0 - np.clip(found.inverse * NEAREST, 0.0, 1.0)) * _DEPTHS).astype(np.int64)
+    pieces = fragments(canvas, corners)
+    depth = ((1.0 - np.clip(pieces.inverse * NEAREST, 0.0, 1.0)) * _DEPTHS).astype(np.int64)
     keys = np.full(canvas.width * canvas.height, _EMPTY)
-    np.minimum.at(keys, found.pixel, (depth << _NUMBERS) | found.triangle)
+    np.minimum.at(keys, pieces.pixel, (depth << _NUMBERS) | pieces.triangle)
     pixel = np.flatnonzero(keys != _EMPTY)
     number = keys[pixel] & ((1 << _NUMBERS) - 1)
     inverse = np.zeros(len(keys))
@@ -210,9 +210,9 @@ def layer(canvas: Canvas, triangles: Triangles, surface: Surface) -> tuple[np.nd
         Pixels (f,), labels (f,) and shades (f,).
     """
     corners = canvas.project(triangles.corners)
-    found = fragments(canvas, corners)
-    seen = found.inverse > surface.inverse[found.pixel]
-    pixel, number = found.pixel[seen], found.triangle[seen]
+    pieces = fragments(canvas, corners)
+    seen = pieces.inverse > surface.inverse[pieces.pixel]
+    pixel, number = pieces.pixel[seen], pieces.triangle[seen]
     return pixel, triangles.label[number], _at(canvas, corners, triangles.shade, pixel, number)
 
 
@@ -223,7 +223,7 @@ def covered(canvas: Canvas, triangles: Triangles) -> np.ndarray:
     return mask
 
 
-def _counted(lengths: np.ndarray) -> np.ndarray:
+def _count_up(lengths: np.ndarray) -> np.ndarray:
     """0, 1, ... for each length in turn."""
     ends = np.cumsum(lengths)
     total = int(ends[-1]) if len(ends) else 0

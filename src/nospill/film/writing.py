@@ -118,11 +118,11 @@ def save_film(
     require_film(path)
     count = max(len(film.t) for film in films)
     with atomic_file(path) as partial:
-        _write(partial, _counted(pictures(films, form, placed), count, progress), form.rate, count)
+        _write(partial, _count(pictures(films, form, placed), count, progress), form.rate, count)
     return count
 
 
-def _counted(
+def _count(
     found: Iterator[np.ndarray], count: int, progress: Callable[[int, int], None] | None
 ) -> Iterator[np.ndarray]:
     for number, picture in enumerate(found):
@@ -154,19 +154,19 @@ def pictures(films: Sequence[Film], form: Format, placed: Mapping[str, Placed] |
             yield from pool.map(picture, times[start : start + 2 * workers])
 
 
-def _write(path: Path, found: Iterator[np.ndarray], rate: float, count: int) -> None:
+def _write(path: Path, pictures: Iterator[np.ndarray], rate: float, count: int) -> None:
     """Write pictures as they come: none is kept but by the encoder."""
     if path.suffix.lower() == ".mp4":
         options: dict[str, Any] = {"fps": rate, "macro_block_size": 2, "quality": 7, "pixelformat": "yuv420p"}
         with _imageio().get_writer(path, format="FFMPEG", **options) as writer:
-            for picture in found:
+            for picture in pictures:
                 writer.append_data(picture)
         return
     # A GIF counts in hundredths of a second: rounded so that the whole film is as long as it is.
     step = 10 if path.suffix.lower() == ".gif" else 1
     ends = step * np.rint(1000.0 / rate / step * np.arange(count + 1))
     options = {"quality": _QUALITY, "method": 4} if path.suffix.lower() == ".webp" else {"optimize": True}
-    _FrameSequence(found, count).save(
+    _FrameSequence(pictures, count).save(
         path, save_all=True, duration=[int(each) for each in np.diff(ends)], loop=0, **options
     )
 

@@ -104,11 +104,11 @@ def optimal_experiment(scene: Scene, records: Records | None = None) -> Design:
     if not any(cargo.filling for cargo in scene.cargo):
         raise ScenarioError("cargo: nothing holds a liquid; a test of damping and fill needs one")
     way = preferred_path(joint_paths(scene.robot, scene.path, tool=scene.tray.tool), scene.robot, scene.start_near)
-    members = sorted(_members(scene, way, records), key=lambda own: -own.value)
-    for refused, own in enumerate(members):
-        plan = _certified(scene, way, own)
+    members = sorted(_members(scene, way, records), key=lambda member: -member.value)
+    for refused, member in enumerate(members):
+        plan = _certify(scene, way, member)
         if plan is not None:
-            return Design(plan, own.expected, len(members), refused)
+            return Design(plan, member.expected, len(members), refused)
     raise NoSolutionError(
         f"none of {len(members)} motions along the path keeps every limit; give a longer path, or wider limits"
     )
@@ -124,10 +124,10 @@ def experiment_scene(scene: Scene) -> Scene:
     return scene_from_table({**scene.source, "motion": motion}, name=f"{scene.name}-test")
 
 
-def _certified(scene: Scene, way: JointPath, own: _Member) -> Plan | None:
+def _certify(scene: Scene, way: JointPath, member: _Member) -> Plan | None:
     """The plan of a motion; None where the judge does not certify it."""
     try:
-        trajectory = trapezoid_trajectory(scene, way, own.duration, own.ramp)
+        trajectory = trapezoid_trajectory(scene, way, member.duration, member.ramp)
         judgement = judge(trajectory, scene)
     except ModelError:
         return None  # too fast for the liquids to be integrated, or for the joints
@@ -144,8 +144,8 @@ def _members(scene: Scene, way: JointPath, records: Records) -> Iterator[_Member
         duration = _shortest(scene, base)
         last = SLOWEST * duration
         while duration <= last:
-            motion = _stretched(base, duration)
-            expected = _expected(scene, motion, duration, records)
+            motion = _stretch(base, duration)
+            expected = _expected_information(scene, motion, duration, records)
             if expected is not None:
                 yield _Member(duration, ramp, *expected)
             duration *= _GROWTH
@@ -161,7 +161,7 @@ def _shortest(scene: Scene, base: JointMotion) -> float:
     return found
 
 
-def _stretched(base: JointMotion, duration: float) -> JointMotion:
+def _stretch(base: JointMotion, duration: float) -> JointMotion:
     """The same joint path in another time."""
     pace = _BASE / duration
 
@@ -171,11 +171,11 @@ def _stretched(base: JointMotion, duration: float) -> JointMotion:
     return motion
 
 
-def _expected(
+def _expected_information(
     scene: Scene, motion: JointMotion, duration: float, records: Records
 ) -> tuple[float, tuple[Estimate, ...]] | None:
     """Logarithm of the determinants, and deviations; None where a liquid rises above its limit."""
-    value, found = 0.0, []
+    value, estimates = 0.0, []
     for cargo in scene.cargo:
         if cargo.filling is None:
             continue
@@ -188,24 +188,24 @@ def _expected(
         if np.max(height) > cargo.filling.max_slosh_height:
             return None
         covariance = _inverse(slopes.T @ slopes / records.height_noise**2)
-        own = [NUMBERS.index(name) for name in ("fill", "damping")]
-        value -= float(np.linalg.slogdet(covariance[np.ix_(own, own)])[1])
+        liquid_numbers = [NUMBERS.index(name) for name in ("fill", "damping")]
+        value -= float(np.linalg.slogdet(covariance[np.ix_(liquid_numbers, liquid_numbers)])[1])
         first = cargo.filling.modes.slowest
         fill, ratio = cargo.filling.liquid_height, first.damping
-        deviation = np.sqrt(np.diag(covariance))[own]
-        found.append(Estimate("fill", cargo.name, "m", fill, float(deviation[0]), LIQUIDS_TOLD["fill"]))
+        deviation = np.sqrt(np.diag(covariance))[liquid_numbers]
+        estimates.append(Estimate("fill", cargo.name, "m", fill, float(deviation[0]), LIQUIDS_TOLD["fill"]))
         widest_identifiable = LIQUIDS_TOLD["damping"] * ratio
-        found.append(Estimate("damping", cargo.name, "1", ratio, ratio * float(deviation[1]), widest_identifiable))
+        estimates.append(Estimate("damping", cargo.name, "1", ratio, ratio * float(deviation[1]), widest_identifiable))
     for joint, name in enumerate(scene.robot.joints):
         covariance = _of_joint(motion, joint, duration, records)
         if covariance is not None:
             value -= float(np.linalg.slogdet(covariance)[1])
             deviation = np.sqrt(np.diag(covariance))
-            found += [
-                Estimate(what, name, "s", 0.0, float(own), _IDENTIFIABLE)
-                for what, own in zip(("delay", "lag"), deviation, strict=True)
+            estimates += [
+                Estimate(what, name, "s", 0.0, float(liquid_numbers), _IDENTIFIABLE)
+                for what, liquid_numbers in zip(("delay", "lag"), deviation, strict=True)
             ]
-    return value, tuple(found)
+    return value, tuple(estimates)
 
 
 def _of_joint(motion: JointMotion, joint: int, duration: float, records: Records) -> np.ndarray | None:

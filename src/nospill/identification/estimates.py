@@ -107,7 +107,7 @@ def fitted(
             known[key] = residuals(np.asarray(values, dtype=float))
         return known[key]
 
-    found = least_squares(
+    solution = least_squares(
         lambda values: both(values)[0],
         start,
         jac=lambda values: both(values)[1],  # type: ignore[arg-type] # the stubs know no functions of their own
@@ -118,13 +118,13 @@ def fitted(
         gtol=1e-14,
         max_nfev=40,
     )
-    left, slopes = both(found.x)
+    left, slopes = both(solution.x)
     covariance, alone = _covariance(left, slopes, neighbours)
-    return Fit(found.x, covariance, float(np.sqrt(np.mean(left**2))), alone)
+    return Fit(solution.x, covariance, float(np.sqrt(np.mean(left**2))), alone)
 
 
 def profile_ends(
-    residuals: Residuals, found: Fit, place: int, lower: np.ndarray, upper: np.ndarray
+    residuals: Residuals, fit: Fit, place: int, lower: np.ndarray, upper: np.ndarray
 ) -> tuple[float, float] | None:
     """Ends of the interval of 95 % of a value from the profile of the likelihood; None where it is quadratic.
 
@@ -134,27 +134,27 @@ def profile_ends(
 
     Args:
         residuals: as of `fitted`.
-        found: the fit.
+        fit: the fit.
         place: of the value.
         lower: as of `fitted`.
         upper: likewise.
     """
-    least = np.sum(residuals(found.values)[0] ** 2)
-    count = round(least / found.left**2)
-    deviation = float(np.sqrt(found.covariance[place, place]))
-    variance = least / max(count - len(found.values), 1) * (deviation / found.alone[place]) ** 2
-    free = np.arange(len(found.values)) != place
+    least = np.sum(residuals(fit.values)[0] ** 2)
+    count = round(least / fit.left**2)
+    deviation = float(np.sqrt(fit.covariance[place, place]))
+    variance = least / max(count - len(fit.values), 1) * (deviation / fit.alone[place]) ** 2
+    free = np.arange(len(fit.values)) != place
 
-    along = found.covariance[free, place] / found.covariance[place, place]
+    along = fit.covariance[free, place] / fit.covariance[place, place]
 
     def growth(value: float) -> float:
-        others = found.values[free] + along * (value - found.values[place])
+        others = fit.values[free] + along * (value - fit.values[place])
         left, slopes = residuals(np.insert(others, place, value))
         step = np.linalg.lstsq(slopes[:, free], -left, rcond=None)[0]
         again = left + slopes[:, free] @ step
         return float(again @ again - least) / variance / WIDE**2
 
-    middle, bounds = float(found.values[place]), (float(lower[place]), float(upper[place]))
+    middle, bounds = float(fit.values[place]), (float(lower[place]), float(upper[place]))
     usual = [float(np.clip(middle + sign * WIDE * deviation, *bounds)) for sign in (-1.0, 1.0)]
     if all(end not in bounds and abs(growth(end) - 1.0) < _QUADRATIC for end in usual):
         return None

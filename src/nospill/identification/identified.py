@@ -23,7 +23,7 @@ from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 from nospill.simulation.motion_file import Heights
 
-_BESIDE = 0.02
+_AROUND = 0.02
 """s; of rest that is judged before the motion, and ten times as much after it."""
 
 
@@ -139,7 +139,7 @@ def _command(recorded: RecordedMotion, plan: Plan | None) -> tuple[JointMotion, 
 def _frictions(
     recorded: RecordedMotion, scene: Scene, stayed: Collection[str], slid: Collection[str]
 ) -> tuple[FrictionBound, ...]:
-    span = Span(recorded.begin - _BESIDE, recorded.begin, recorded.end, recorded.end + 10.0 * _BESIDE)
+    span = Span(recorded.begin - _AROUND, recorded.begin, recorded.end, recorded.end + 10.0 * _AROUND)
     record = samples(recorded.held(), scene.robot.joints, span, 500.0)
     rows = judge_joints(record, scene, motion=recorded.held()).certificate.rows
     uses = {row.subject: row.worst_value for row in rows if row.constraint == Slip.name}
@@ -151,29 +151,31 @@ def _frictions(
     )
 
 
-def scenario_text(found: Identified) -> str:
+def scenario_text(learnt: Identified) -> str:
     """Tables `[controller]` and `[tolerance]` for a scenario, with what they come from as comments."""
-    lines = [f"# Learnt from {found.recorded.log.origin}."]
-    for fit in found.liquids:
+    lines = [f"# Learnt from {learnt.recorded.log.origin}."]
+    for fit in learnt.liquids:
         fill, damping = fit.of("fill"), fit.of("damping")
         lines.append(f"# {fit.subject}: fill {_interval(fill, 1e3, 'mm')}, stated {1e3 * fit.stated[0]:.4g} mm;")
         lines.append(f"#   damping ratio {_interval(damping, 1.0, '')}, stated {fit.stated[1]:.4g}.")
-    for bound in found.frictions:
+    for bound in learnt.frictions:
         word = "slid: friction below" if bound.slid else "stayed: friction above"
         lines.append(f"# {bound.subject} {word} {bound.friction:.3f}.")
-    identified_fits = [fit for fit in found.joints if fit.moves and fit.lag.identifiable and fit.delay.identifiable]
+    identified_fits = [fit for fit in learnt.joints if fit.moves and fit.lag.identifiable and fit.delay.identifiable]
     if identified_fits:
         lines += ["", "[controller]"]
-        if len(identified_fits) < len(found.joints):
+        if len(identified_fits) < len(learnt.joints):
             lines.append("# zero stands where this motion does not tell")
         lines += [
-            f"# {own}; the scenario's law is of first order" for own in map(second_order_text, identified_fits) if own
+            f"# {text}; the scenario's law is of first order"
+            for text in map(second_order_text, identified_fits)
+            if text
         ]
         for key in ("delay", "lag"):
-            values = [max(getattr(fit, key).value, 0.0) if fit in identified_fits else 0.0 for fit in found.joints]
+            values = [max(getattr(fit, key).value, 0.0) if fit in identified_fits else 0.0 for fit in learnt.joints]
             listed = ", ".join(f'"{round(1e3 * value, 2):g} ms"' for value in values)
             lines.append(f"{key} = [{listed}]")
-    tolerance = _tolerance(found)
+    tolerance = _tolerance(learnt)
     if tolerance:
         lines += ["", "[tolerance]", *tolerance]
     return "\n".join(lines) + "\n"
@@ -181,36 +183,39 @@ def scenario_text(found: Identified) -> str:
 
 def second_order_text(fit: JointFit) -> str:
     """What a lag of second order makes of a joint, in a line; empty where one of first order does."""
-    own = fit.second
-    if own is None:
+    fitted = fit.second
+    if fitted is None:
         return ""
     numbers = ", ".join(
         f"{what} {_interval(value, factor, unit)}"
         for what, value, factor, unit in (
-            ("natural frequency", own.frequency, 1.0, "rad/s"),
-            ("damping ratio", own.damping, 1.0, ""),
-            ("delay", own.delay, 1e3, "ms"),
+            ("natural frequency", fitted.frequency, 1.0, "rad/s"),
+            ("damping ratio", fitted.damping, 1.0, ""),
+            ("delay", fitted.delay, 1e3, "ms"),
         )
     )
     return (
-        f"{fit.joint} follows with second order: {numbers}; {1e3 * own.left:.2g} mrad rms are left, "
+        f"{fit.joint} follows with second order: {numbers}; {1e3 * fitted.left:.2g} mrad rms are left, "
         f"{1e3 * fit.left:.2g} with first order"
     )
 
 
-def _tolerance(found: Identified) -> list[str]:
+def _tolerance(learnt: Identified) -> list[str]:
     """Ranges that hold what is stated and what was learnt of every cup."""
     lines = []
     rises = [
         abs(end - fit.stated[0])
-        for fit in found.liquids
-        if (own := fit.of("fill")).identifiable
-        for end in own.interval
+        for fit in learnt.liquids
+        if (estimate := fit.of("fill")).identifiable
+        for end in estimate.interval
     ]
     if rises:
         lines.append(f'liquid_height = "{np.ceil(1e4 * max(rises)) / 10:.1f} mm"')
     factors = [
-        end / fit.stated[1] for fit in found.liquids if (own := fit.of("damping")).identifiable for end in own.interval
+        end / fit.stated[1]
+        for fit in learnt.liquids
+        if (estimate := fit.of("damping")).identifiable
+        for end in estimate.interval
     ]
     if factors:
         low, high = max(min(1.0, *factors), 0.01), max(1.0, *factors)
@@ -227,7 +232,7 @@ def _interval(own: Estimate, factor: float, unit: str) -> str:
     return f"{factor * own.value:.4g} +- {factor * own.half_width:.2g} {unit}".rstrip()
 
 
-def identified_table(found: Identified) -> dict[str, Any]:
+def identified_table(learnt: Identified) -> dict[str, Any]:
     """Everything as plain values in SI units; a deviation is null where the motion tells nothing."""
 
     def plain(own: Estimate) -> dict[str, Any]:
@@ -236,10 +241,11 @@ def identified_table(found: Identified) -> dict[str, Any]:
         return {"value": own.value, "half_width": wide, "unit": own.unit, "identifiable": own.identifiable} | ends
 
     return {
-        "log": found.recorded.log.origin,
+        "log": learnt.recorded.log.origin,
         "confidence": {"level": 0.95, "deviations": WIDE},
         "liquids": {
-            fit.subject: {own.name: plain(own) for own in fit.estimates} | {"left_m": fit.left} for fit in found.liquids
+            fit.subject: {own.name: plain(own) for own in fit.estimates} | {"left_m": fit.left}
+            for fit in learnt.liquids
         },
         "joints": {
             fit.joint: {"delay": plain(fit.delay), "lag": plain(fit.lag), "left_rad": fit.left}
@@ -255,8 +261,8 @@ def identified_table(found: Identified) -> dict[str, Any]:
                     }
                 }
             )
-            for fit in found.joints
+            for fit in learnt.joints
         },
-        "delays_are_behind_command": found.of_command,
-        "friction": [{"subject": own.subject, "friction": own.friction, "slid": own.slid} for own in found.frictions],
+        "delays_are_behind_command": learnt.of_command,
+        "friction": [{"subject": own.subject, "friction": own.friction, "slid": own.slid} for own in learnt.frictions],
     }

@@ -89,10 +89,10 @@ def fit_joints(recorded: RecordedMotion, command: JointMotion, span: tuple[float
     fits = []
     for joint, name in enumerate(log.joints):
         moves = float(np.ptp(position[:, joint])) > _LEAST_TRAVEL
-        own = float(whole[joint] if moves else together)
+        start = float(whole[joint] if moves else together)
         seen = t[picked], position[picked, joint]
         noise = float(recorded.smooth.noise[joint])
-        first = _fit(name, joint, *seen, command, span, own, clock, noise, moves=moves)
+        first = _fit(name, joint, *seen, command, span, start, clock, noise, moves=moves)
         fits.append(_with_second(first, *seen, lambda at, j=joint: command(at)[:, j], span) if first.misfit else first)
     return tuple(fits)
 
@@ -154,7 +154,7 @@ def _fit(
     if not moves:
         never = (Estimate(what, name, "s", 0.0, np.inf, _IDENTIFIABLE[what]) for what in ("delay", "lag"))
         return JointFit(name, *never, left=float(np.std(position)), moves=False, noise=noise)
-    found = fitted(
+    solution = fitted(
         residuals,
         np.array([delay - _FIRST_LAG, _FIRST_LAG]),
         np.array([1e-3, 1e-3]),
@@ -162,12 +162,12 @@ def _fit(
         np.array([delay + _SEARCH, _LARGEST_LAG]),
         neighbours=_NEIGHBOURS,
     )
-    deviation = np.sqrt(np.diag(found.covariance) + clock**2)
+    deviation = np.sqrt(np.diag(solution.covariance) + clock**2)
     late, lag = (
         Estimate(what, name, "s", float(value), float(own), _IDENTIFIABLE[what])
-        for what, value, own in zip(("delay", "lag"), found.values, deviation, strict=True)
+        for what, value, own in zip(("delay", "lag"), solution.values, deviation, strict=True)
     )
-    return JointFit(name, late, lag, found.left, moves=True, noise=noise)
+    return JointFit(name, late, lag, solution.left, moves=True, noise=noise)
 
 
 def _first_motion(command: JointMotion, grid: np.ndarray) -> float:

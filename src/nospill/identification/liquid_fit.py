@@ -77,23 +77,25 @@ def fit_liquid(
 
     def residuals(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         clock, rise, damping, gauge = values
-        found, slopes = law.with_slopes(rise, damping, measured.t - clock)
-        return found + gauge - height, slopes
+        fit, slopes = law.with_slopes(rise, damping, measured.t - clock)
+        return fit + gauge - height, slopes
 
     lower = np.array([aligned.shift - 0.1, -_FILL * fill, -_DAMPING, -0.01])
     upper = np.array([aligned.shift + 0.1, min(_FILL * fill, cargo.container.height - fill - 1e-4), _DAMPING, 0.01])
     free = np.ones(4, dtype=bool)
     start = np.array([aligned.shift, 0.0, 0.0, 0.0])
     while True:
-        found = _with_held(residuals, start, lower, upper, free)
-        estimates = _estimates(subject, found, free, law, fill, first.damping)
-        unidentifiable = [_PLACES[own.name] for own in estimates if own.name in _STATED and not own.identifiable]
+        fit = _with_held(residuals, start, lower, upper, free)
+        estimates = _estimates(subject, fit, free, law, fill, first.damping)
+        unidentifiable = [
+            _PLACES[estimate.name] for estimate in estimates if estimate.name in _STATED and not estimate.identifiable
+        ]
         unidentifiable = [place for place in unidentifiable if free[place]]
         if not unidentifiable:
-            ends = _profiles(_of_free(residuals, start, free), found, lower, upper, free)
+            ends = _profiles(_of_free(residuals, start, free), fit, lower, upper, free)
             stated_now = fill, first.damping
             return LiquidFit(
-                subject, tuple(_with_ends(own, ends, stated_now) for own in estimates), stated_now, found.left
+                subject, tuple(_with_ends(estimate, ends, stated_now) for estimate in estimates), stated_now, fit.left
             )
         free[unidentifiable[0]] = False
 
@@ -127,16 +129,16 @@ def _with_held(residuals: Residuals, start: np.ndarray, lower: np.ndarray, upper
 
 
 def _profiles(
-    residuals: Residuals, found: Fit, lower: np.ndarray, upper: np.ndarray, free: np.ndarray
+    residuals: Residuals, fit: Fit, lower: np.ndarray, upper: np.ndarray, free: np.ndarray
 ) -> dict[str, tuple[float, float]]:
     """Ends of the intervals of what the scenario states, where the likelihood is not quadratic."""
-    own = Fit(found.values[free], found.covariance[np.ix_(free, free)], found.left, found.alone[free])
+    free_fit = Fit(fit.values[free], fit.covariance[np.ix_(free, free)], fit.left, fit.alone[free])
     ends = {}
     for name in _STATED:
         if free[_PLACES[name]]:
             place = int(np.sum(free[: _PLACES[name]]))
-            ends[name] = profile_ends(residuals, own, place, lower[free], upper[free])
-    return {name: found for name, found in ends.items() if found is not None}
+            ends[name] = profile_ends(residuals, free_fit, place, lower[free], upper[free])
+    return {name: fit for name, fit in ends.items() if fit is not None}
 
 
 def _with_ends(own: Estimate, ends: dict[str, tuple[float, float]], stated: tuple[float, float]) -> Estimate:
@@ -151,10 +153,10 @@ def _with_ends(own: Estimate, ends: dict[str, tuple[float, float]], stated: tupl
 
 
 def _estimates(
-    subject: str, found: Fit, free: np.ndarray, law: LiquidLaw, fill: float, stated: float
+    subject: str, fit: Fit, free: np.ndarray, law: LiquidLaw, fill: float, stated: float
 ) -> tuple[Estimate, ...]:
-    clock, rise, damping, gauge = (float(value) for value in found.values)
-    deviation = [float(value) for value in np.sqrt(np.diag(found.covariance))]
+    clock, rise, damping, gauge = (float(value) for value in fit.values)
+    deviation = [float(value) for value in np.sqrt(np.diag(fit.covariance))]
     here = law.frequency(rise)
     slope = abs(law.frequency(rise + FILL_STEP) - here) / FILL_STEP
     ratio = stated * float(np.exp(damping))

@@ -72,12 +72,17 @@ class LiquidLaw:
 
     def _integrated(self, rise: float, damping: float) -> np.ndarray:
         scene = replace(self._scene, cargo=(self._cup(rise, damping),))
-        own, rest = np.asarray(flatten(numbers_of_object(numbers_of(scene), 0))), np.zeros(self._steps.size1_in(0))
+        parameters, rest = (
+            np.asarray(flatten(numbers_of_object(numbers_of(scene), 0))),
+            np.zeros(self._steps.size1_in(0)),
+        )
         lengths = np.full(len(self.t) - 1, STEP)
-        states = integrate(self._steps, rest[None], inputs=self._body, lengths=lengths, parameters=own[None])[:, 0].T
+        states = integrate(self._steps, rest[None], inputs=self._body, lengths=lengths, parameters=parameters[None])[
+            :, 0
+        ].T
         count = len(rest) // 2
         function, names = object_figures_function(self._kind, EvaluationPoint.OBJECT)
-        rows = evaluate(function, [self._body[:, ::2], states[:count], states[count:]], own)
+        rows = evaluate(function, [self._body[:, ::2], states[:count], states[count:]], parameters)
         height = rows[3 * names.index(SloshHeight.name)]
         if not np.isfinite(height).all():
             raise ModelError(f"{scene.cargo[0].name}: the liquid leaves its cup along this motion")

@@ -71,9 +71,9 @@ def fit_second_order(
     first = float(asked[0])
 
     def residuals(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        late, own = values[0], values[1:]
-        here = _response(asked - first, own)
-        changed = [_response(asked - first, own + _CHANGE * unit) for unit in np.eye(2)]
+        late, fit = values[0], values[1:]
+        here = _response(asked - first, fit)
+        changed = [_response(asked - first, fit + _CHANGE * unit) for unit in np.eye(2)]
         columns = [
             -np.gradient(here, _STEP),
             *((after - here) / step for after, step in zip(changed, _CHANGE, strict=True)),
@@ -81,7 +81,7 @@ def fit_second_order(
         done, *slopes = (np.interp(t - late, grid, column, left=0.0) for column in (here, *columns))
         return done + first - position, np.column_stack(slopes)
 
-    found = min(
+    best = min(
         (
             fitted(
                 residuals,
@@ -93,10 +93,10 @@ def fit_second_order(
             )
             for period, ratio in _STARTS
         ),
-        key=lambda own: own.left,
+        key=lambda fit: fit.left,
     )
-    late, period, ratio = (float(value) for value in found.values)
-    deviation = np.sqrt(np.diag(found.covariance))
+    late, period, ratio = (float(value) for value in best.values)
+    deviation = np.sqrt(np.diag(best.covariance))
     frequency = 1.0 / period
     return SecondOrder(
         Estimate("delay", name, "s", late, float(deviation[0]), _IDENTIFIABLE["delay"]),
@@ -109,7 +109,7 @@ def fit_second_order(
             _IDENTIFIABLE["frequency"] * frequency,
         ),
         Estimate("damping", name, "1", ratio, float(deviation[2]), _IDENTIFIABLE["damping"] * ratio),
-        found.left,
+        best.left,
     )
 
 

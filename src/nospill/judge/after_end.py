@@ -50,8 +50,8 @@ def residual_height(
         velocity: (k,) likewise, m/s.
         limit: m, for the smoothing of the bound.
     """
-    own = np.append(flatten(numbers), limit)
-    at_once = float(evaluate(_bound(item), [displacement[:, None], velocity[:, None]], own)[0, 0])
+    parameters = np.append(flatten(numbers), limit)
+    at_once = float(evaluate(_residual_bound(item), [displacement[:, None], velocity[:, None]], parameters)[0, 0])
     if at_once <= limit:
         return at_once
     modes = list(zip(numbers.oscillators, item.oscillators, strict=True))
@@ -61,7 +61,7 @@ def residual_height(
     )
     often, seldom = _STEP * np.arange(_EVERY), _STEP * _EVERY * np.arange(round(_LONGEST / (_STEP * _EVERY)) + 1)
     q, qd = free_states(frequency, damping, displacement, velocity, seldom)
-    bound = evaluate(_bound(item), [q.T, qd.T], own)[0]
+    bound = evaluate(_residual_bound(item), [q.T, qd.T], parameters)[0]
     # From instant to instant the motion is linear in the state: with two solutions no further exponential is needed.
     one, none = np.ones_like(frequency), np.zeros_like(frequency)
     of_displacement = free_states(frequency, damping, one, none, often)[0]
@@ -89,7 +89,7 @@ def free_heights(item: ObjectStructure, numbers: ObjectNumbers, displacement: np
 
 
 @lru_cache(maxsize=16)
-def _bound(item: ObjectStructure) -> Any:
+def _residual_bound(item: ObjectStructure) -> Any:
     """(displacements, velocities, numbers of the object with the limit) -> sum of the bounds, m."""
 
     def build() -> tuple[codegen.Functions, None]:

@@ -1,4 +1,4 @@
-"""Where on its path the tray is, by the record or as the nearest place, and how far beside it by the played joints."""
+"""Place of the tray on its path, by the record or as the nearest one, and its deviation by the replayed joints."""
 
 from __future__ import annotations
 
@@ -47,15 +47,15 @@ def nearest_on(path: Path, position: np.ndarray) -> tuple[np.ndarray, np.ndarray
     s = np.linspace(0.0, 1.0, _PIECES + 1)
     corners = path.at(s)[:, :3]
     at = KDTree(corners).query(position)[1]
-    found, least = s[at], np.linalg.norm(position - corners[at], axis=1)
+    nearest, least = s[at], np.linalg.norm(position - corners[at], axis=1)
     for first in (np.maximum(at - 1, 0), np.minimum(at, _PIECES - 1)):  # the pieces on both sides of the corner
         along = corners[first + 1] - corners[first]
         square = np.maximum(np.sum(along**2, axis=1), np.finfo(float).tiny)
         part = np.clip(np.sum((position - corners[first]) * along, axis=1) / square, 0.0, 1.0)
         distance = np.linalg.norm(position - corners[first] - part[:, None] * along, axis=1)
-        found = np.where(distance < least, (first + part) / _PIECES, found)
+        nearest = np.where(distance < least, (first + part) / _PIECES, nearest)
         least = np.minimum(distance, least)
-    return found, least
+    return nearest, least
 
 
 def passing_traces(scene: Scene, played: Replay) -> list[Trace]:

@@ -40,32 +40,32 @@ def peaks_between(
     Returns:
         Traces of one instant each, between two of the grid.
     """
-    found: list[Trace] = []
+    peaks: list[Trace] = []
     for point, near in _NEAR.items():
-        own = [trace for trace in traces if trace.known is not None and trace.known.evaluated_at is point]
-        intervals = _beside_peaks(played, own, near)
+        evaluated = [trace for trace in traces if trace.known is not None and trace.known.evaluated_at is point]
+        intervals = _intervals_at_peaks(played, evaluated, near)
         if len(intervals):
             t = (played.t[intervals, None] + np.arange(1, _PARTS) / _PARTS / played.rate).ravel()
             looked_at = between(played, scene, motion, t)
             inputs = {point: motion_inputs(trajectory, scene, looked_at)[point]}
-            found += [_worst_instant(trace) for trace in evaluated_traces(scene, inputs)]
-    return tuple(found)
+            peaks += [_worst_instant(trace) for trace in evaluated_traces(scene, inputs)]
+    return tuple(peaks)
 
 
 def with_peaks(traces: Iterable[Trace], peaks: Iterable[Trace]) -> tuple[Trace, ...]:
     """The traces, with the instants of the peaks among theirs; at most one trace of peaks for each."""
     between = {peak.id: peak for peak in peaks}
-    return tuple(_merged(trace, between[trace.id]) if trace.id in between else trace for trace in traces)
+    return tuple(_merge(trace, between[trace.id]) if trace.id in between else trace for trace in traces)
 
 
-def _merged(trace: Trace, peak: Trace) -> Trace:
+def _merge(trace: Trace, peak: Trace) -> Trace:
     at = np.searchsorted(trace.t, peak.t)
     own, others = ((item.t, item.value, item.limit, item.margin) for item in (trace, peak))
     t, value, limit, margin = (np.insert(column, at, more) for column, more in zip(own, others, strict=True))
     return replace(trace, t=t, value=value, limit=limit, margin=margin)
 
 
-def _beside_peaks(played: Replay, traces: Iterable[Trace], near: float) -> np.ndarray:
+def _intervals_at_peaks(played: Replay, traces: Iterable[Trace], near: float) -> np.ndarray:
     """Numbers of the grid's intervals on both sides of every peak."""
     peaks = np.zeros(len(played.t), dtype=bool)
     for trace in traces:
@@ -75,8 +75,8 @@ def _beside_peaks(played: Replay, traces: Iterable[Trace], near: float) -> np.nd
         rises, falls = np.append(True, use[1:] >= use[:-1]), np.append(use[:-1] >= use[1:], True)
         peaks |= (use > near) & rises & falls
     at = np.flatnonzero(peaks)
-    beside = np.unique(np.concatenate([at - 1, at]))
-    return beside[(beside >= 0) & (beside < len(played.t) - 1)]
+    adjacent = np.unique(np.concatenate([at - 1, at]))
+    return adjacent[(adjacent >= 0) & (adjacent < len(played.t) - 1)]
 
 
 def _worst_instant(trace: Trace) -> Trace:

@@ -53,10 +53,10 @@ def with_liquids_apart(
         return traces
     motion, alone = motion or trajectory.motion, replace(scene, cargo=apart)
     played = replay(trajectory, alone, motion=motion, rate=rate)
-    found = constraint_traces(trajectory, alone, played, points=OF_OBJECTS)
-    found = with_peaks(found, peaks_between(trajectory, alone, played, found, motion))
+    liquid_traces = constraint_traces(trajectory, alone, played, points=OF_OBJECTS)
+    liquid_traces = with_peaks(liquid_traces, peaks_between(trajectory, alone, played, liquid_traces, motion))
     names = {cargo.name for cargo in apart}
-    exact = {trace.id: trace for trace in found if trace.subject in names}
+    exact = {trace.id: trace for trace in liquid_traces if trace.subject in names}
     return tuple(exact.get(trace.id, trace) for trace in traces)
 
 

@@ -96,7 +96,7 @@ def certify(
     Args:
         trajectory: the record.
         scene: what it must keep to.
-        constraints: limits of your own classes, beside those of the scenario; those that the scene has from its
+        constraints: limits of your own classes, added to those of the scenario; those that the scene has from its
             planning when left out.
         motion: what the receiver's joints do; the quintic spline through the recorded positions when left out.
         rate: Hz, the least rate of the grid; a second, finer certificate is one at a higher rate (8 kHz, say).
@@ -138,26 +138,26 @@ def judge_motion(
     held = held_trajectory(trajectory, scene.motion)
     run = run_of(held, scene.controller, motion)
     alone = run.record is held
-    found = _judged(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
-    require_converged(found.replay.slosh_error)
-    controls = () if alone else constraint_traces(held, scene, found.replay, points=[EvaluationPoint.CONTROL])
+    judged = _judge(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
+    require_converged(judged.replay.slosh_error)
+    controls = () if alone else constraint_traces(held, scene, judged.replay, points=[EvaluationPoint.CONTROL])
     of_command = [] if run.command is None else command_traces(scene, run.command)
     if run.compensated:
-        of_record = record_traces(trajectory, held, scene, found.replay)
+        of_record = record_traces(trajectory, held, scene, judged.replay)
     else:  # without its liquids, since the record is not about what the joints did
         asked = replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
         of_record = [replace(trace, variant=COMMAND) for trace in record_traces(trajectory, held, scene, asked)]
-        controls = (*(replace(trace, variant=COMMAND) for trace in controls), *tilt_traces(scene, found.replay))
+        controls = (*(replace(trace, variant=COMMAND) for trace in controls), *tilt_traces(scene, judged.replay))
     rows = (
-        *condensed([*found.certificate.rows, *map(worst_row, (*controls, *of_command))]),
+        *condensed([*judged.certificate.rows, *map(worst_row, (*controls, *of_command))]),
         *map(worst_row, of_record),
     )
     return replace(
-        found,
-        certificate=replace(found.certificate, ok=all(row.ok for row in rows) and not scene.unjudged, rows=rows),
-        traces=(*found.traces, *controls),
+        judged,
+        certificate=replace(judged.certificate, ok=all(row.ok for row in rows) and not scene.unjudged, rows=rows),
+        traces=(*judged.traces, *controls),
         end_time=trajectory.end_time,
-        fullest=fullest([*found.fullest.values(), *controls, *of_command, *of_record]),
+        fullest=fullest([*judged.fullest.values(), *controls, *of_command, *of_record]),
     )
 
 
@@ -204,13 +204,13 @@ def judge_joints(
     Args:
         trajectory: the joints as samples (`Trajectory.of_joints`), from rest to rest.
         scene: what they must keep to.
-        motion: what they do between and beside the samples.
+        motion: what they do between and outside of the samples.
         rate: Hz, the least rate of the grid.
     """
-    return _judged(trajectory, of_joints_alone(scene), motion=motion, rate=rate, points=_OF_JOINTS)
+    return _judge(trajectory, of_joints_alone(scene), motion=motion, rate=rate, points=_OF_JOINTS)
 
 
-def _judged(
+def _judge(
     held: Trajectory,
     scene: Scene,
     *,

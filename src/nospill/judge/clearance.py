@@ -31,7 +31,7 @@ def clearance_rows(
 ) -> list[Row]:
     """The distances that bodies keep at least.
 
-    One row for each pair with an obstacle, or with what is beside a region. Of the arm with itself and with its load,
+    One row for each pair with an obstacle, or with what is beyond a region. Of the arm with itself and with its load,
     one for each pair that comes nearer than `NEAR`, and one for all others, with the nearest of them.
 
     Args:
@@ -47,12 +47,12 @@ def clearance_rows(
     motion = SampledMotion(arm_chain(scene.robot), t, q, qd, qdd)
     pairs = scene_pairs(scene, loaded=loaded)
     around = least_distances(motion, [pair for pair in pairs if not pair.of_arm])
-    own = least_distances(motion, [pair for pair in pairs if pair.of_arm], beyond=NEAR)
-    near = [found for found in own if found.distance < NEAR]
-    others = [found for found in own if found.distance >= NEAR]
-    rows = [_row(found) for found in (*around, *near)]
+    of_arm = least_distances(motion, [pair for pair in pairs if pair.of_arm], beyond=NEAR)
+    near = [nearest for nearest in of_arm if nearest.distance < NEAR]
+    others = [nearest for nearest in of_arm if nearest.distance >= NEAR]
+    rows = [_row(nearest) for nearest in (*around, *near)]
     if others:
-        least = min(others, key=lambda found: found.distance - found.pair.limit)
+        least = min(others, key=lambda nearest: nearest.distance - nearest.pair.limit)
         rows.append(replace(_row(least), subject=OTHERS, variant=f"the nearest: {least.pair.subject}"))
     return rows
 
@@ -74,31 +74,31 @@ def clearance_traces(
         return ()
     some = np.unique(np.linspace(0, len(t) - 1, _INSTANTS).astype(int))
     frames, every = joint_frames(arm_chain(scene.robot), q[some]), np.arange(len(some))
-    found: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    histories: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     for pair in scene_pairs(scene):
         subject = OTHERS if pair.of_arm and pair.subject not in listed and OTHERS in subjects else pair.subject
         if subject in subjects:
             distance = distances_of(pair.first, pair.second).at(frames, every)[0]
             limit = np.full(len(some), pair.limit)
-            before, other = found.get(subject, (distance, limit))
+            before, other = histories.get(subject, (distance, limit))
             nearer = distance - limit < before - other
-            found[subject] = np.where(nearer, distance, before), np.where(nearer, limit, other)
+            histories[subject] = np.where(nearer, distance, before), np.where(nearer, limit, other)
     return tuple(
-        Trace(Clearance.name, subject, Clearance.unit, t[some], own, limit, own - limit)
-        for subject, (own, limit) in found.items()
+        Trace(Clearance.name, subject, Clearance.unit, t[some], distances, limit, distances - limit)
+        for subject, (distances, limit) in histories.items()
     )
 
 
-def _row(found: LeastDistance) -> Row:
-    limit, margin = found.pair.limit, found.distance - found.pair.limit
+def _row(nearest: LeastDistance) -> Row:
+    limit, margin = nearest.pair.limit, nearest.distance - nearest.pair.limit
     return Row(
         constraint=Clearance.name,
-        subject=found.pair.subject,
+        subject=nearest.pair.subject,
         unit=Clearance.unit,
         limit=limit,
-        worst_value=found.distance,
+        worst_value=nearest.distance,
         worst_margin=margin,
-        at_s=found.at,
+        at_s=nearest.at,
         ok=bool(margin >= 0.0),
-        variant=found.pair.note,
+        variant=nearest.pair.note,
     )

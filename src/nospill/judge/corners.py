@@ -1,4 +1,4 @@
-"""What is judged beside the scene as stated: variants of its objects, and the motion at other speeds."""
+"""What is judged in addition to the scene as stated: variants of its objects, and the motion at other speeds."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _OF_SLOWED = 0.25
 """Part of the rate of the grid at which slower motions are judged: 500 Hz for 2 kHz, uses agree within 0.1 %."""
 
 _NEAR = 0.03
-"""Part of a limit; a use nearer to it than that at a speed of the grid may exceed it beside that (1.6 % seen)."""
+"""Part of a limit; a use nearer to it than that at a speed of the grid may exceed it near that (1.6 % seen)."""
 
 _CLOSE, _LOOKS, _SAME = 0.0045, 2, 3e-5
 """Between speeds v that come near a limit: distance of their 1/v in the first look; further looks, each at the vertices
@@ -62,7 +62,7 @@ def corner_traces(
 
     def looked_at(some: Iterable[Corner]) -> Iterator[Trace]:
         for corner in some:
-            for trace in _played(trajectory, corner, motion, rate):
+            for trace in _corner_traces(trajectory, corner, motion, rate):
                 use = uses.setdefault(trace.id, {})
                 use[corner.speed] = max(use.get(corner.speed, 0.0), float(np.max(trace.use)))
                 yield trace
@@ -77,19 +77,19 @@ def corner_traces(
         yield from worst_load_traces(scene, played)
 
 
-def _played(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, rate: float) -> Iterator[Trace]:
+def _corner_traces(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, rate: float) -> Iterator[Trace]:
     """The traces of a corner's objects, on the clock of the planned motion; at other speeds of the outer ones."""
     speed, scene = corner.speed, corner.scene
     if speed == 1.0:
         motion = motion or trajectory.motion
-        own = replay(trajectory, scene, motion=motion, rate=rate)
-        traces = constraint_traces(trajectory, scene, own, points=OF_OBJECTS)
-        traces = with_peaks(traces, peaks_between(trajectory, scene, own, traces, motion))
+        played = replay(trajectory, scene, motion=motion, rate=rate)
+        traces = constraint_traces(trajectory, scene, played, points=OF_OBJECTS)
+        traces = with_peaks(traces, peaks_between(trajectory, scene, played, traces, motion))
         traces = with_liquids_apart(traces, trajectory, scene, motion=motion, rate=rate)
     else:
         scene = replace(scene, cargo=hull_objects(scene))
-        slow, own = _slowed(trajectory, scene, speed, motion, rate)
-        traces = constraint_traces(slow, scene, own, points=OF_OBJECTS)
+        slow, played = _slow_down(trajectory, scene, speed, motion, rate)
+        traces = constraint_traces(slow, scene, played, points=OF_OBJECTS)
         joints = None if motion is None else SlowedMotion(motion, speed)
         traces = with_liquids_apart(traces, slow, scene, motion=joints, rate=_OF_SLOWED * rate)
         traces = tuple(replace(trace, t=trace.t * speed) for trace in traces)
@@ -98,7 +98,7 @@ def _played(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, 
             yield replace(trace, variant=corner.texts[trace.subject])
 
 
-def _slowed(
+def _slow_down(
     trajectory: Trajectory, scene: Scene, speed: float, motion: JointMotion | None, rate: float
 ) -> tuple[Trajectory, Replay]:
     """The record of a motion at a part of its speed, and its replay."""
@@ -114,9 +114,9 @@ def _torques(
 
     Under the worst load where masses may be off.
     """
-    slow, own = _slowed(trajectory, replace(scene, cargo=()), least, motion, rate)
-    traces = constraint_traces(slow, scene, own, points=[EvaluationPoint.JOINT])
-    traces = (*traces, *worst_load_traces(scene, own)) if is_uncertain(scene) else traces
+    slow, played = _slow_down(trajectory, replace(scene, cargo=()), least, motion, rate)
+    traces = constraint_traces(slow, scene, played, points=[EvaluationPoint.JOINT])
+    traces = (*traces, *worst_load_traces(scene, played)) if is_uncertain(scene) else traces
     for trace in traces:
         if trace.constraint == JointTorque.name:
             yield replace(trace, t=trace.t * least, variant=speed_text(least))
@@ -127,20 +127,20 @@ def _at_speeds(
     uses: Mapping[RowId, Mapping[float, float]],
     between: Callable[[Mapping[float, float]], Iterable[float]],
 ) -> list[Corner]:
-    """Corners at speeds between those of the grid, of the objects whose uses ask for them: of those tried beside it."""
+    """Corners at speeds between those of the grid, of the objects whose uses ask for them: of those tried nearby."""
     asking: dict[float, set[str]] = {}
     for row, use in uses.items():
         for speed in between(use):
             asking.setdefault(speed, set()).add(row.subject)
     grid = sorted({corner.speed for corner in corners})
-    found = []
+    chosen = []
     for speed, names in asking.items():
-        nearest = min(grid, key=lambda own: abs(own - speed))
-        for own in (corner for corner in corners if corner.speed == nearest):
-            cargo = tuple(item for item in own.scene.cargo if item.name in names.intersection(own.texts))
+        nearest = min(grid, key=lambda tried: abs(tried - speed))
+        for tried in (corner for corner in corners if corner.speed == nearest):
+            cargo = tuple(item for item in tried.scene.cargo if item.name in names.intersection(tried.texts))
             if cargo:
-                found.append(replace(own, scene=replace(own.scene, cargo=cargo), speed=speed))
-    return found
+                chosen.append(replace(tried, scene=replace(tried.scene, cargo=cargo), speed=speed))
+    return chosen
 
 
 def closer(use: Mapping[float, float]) -> set[float]:
@@ -156,12 +156,12 @@ def closer(use: Mapping[float, float]) -> set[float]:
 
 def vertices(use: Mapping[float, float]) -> set[float]:
     """Speeds at which a use just below its limit is largest: vertices of parabolas, from the uses at some speeds."""
-    found, speeds = set[float](), sorted(use)
+    between, speeds = set[float](), sorted(use)
     for first, middle, last in zip(speeds, speeds[1:], speeds[2:], strict=False):
         before, most, after = (use[speed] for speed in (first, middle, last))
         if 1.0 - _NEAR < most <= 1.0 and before <= most >= after and before + after < 2.0 * most:
             below, above = (middle - first) * (most - after), (last - middle) * (most - before)
             vertex = middle + 0.5 * ((last - middle) * above - (middle - first) * below) / (below + above)
             if min(abs(vertex - speed) for speed in (first, middle, last)) > _SAME * middle:
-                found.add(round(vertex, 6))
-    return found
+                between.add(round(vertex, 6))
+    return between

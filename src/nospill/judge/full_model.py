@@ -1,4 +1,4 @@
-"""What the full model says of a motion judged with less: a warning beside its certificate.
+"""What the full model says of a motion judged with less: a warning next to its certificate.
 
 The full model has the physics of full fidelity and so many modes of each liquid that one more changes nothing.
 """

@@ -100,12 +100,12 @@ def history_of(judgement: Judgement, scene: Scene, row: RowId) -> History:
 
 def _distance(judgement: Judgement, scene: Scene, row: RowId) -> Trace:
     rows = judgement.certificate.rows
-    own = [item for item in rows if item.id == row]
-    if not own:
+    of_row = [item for item in rows if item.id == row]
+    if not of_row:
         raise ScenarioError(_unknown(row, [item.id for item in rows]))
-    played, least = judgement.replay, own[0]
+    played, least = judgement.replay, of_row[0]
     (trace,) = clearance_traces(
-        scene, played.t, played.joint_position, own, listed={item.subject for item in rows if item is not least}
+        scene, played.t, played.joint_position, of_row, listed={item.subject for item in rows if item is not least}
     )
     at = np.searchsorted(trace.t, least.at_s)
     t, value = np.insert(trace.t, at, least.at_s), np.insert(trace.value, at, least.worst_value)
@@ -138,8 +138,8 @@ def contact_load(judgement: Judgement, scene: Scene, name: str) -> ContactLoad:
     if cargo.carrier:
         raise ScenarioError(f"{name!r} moves with {cargo.carrier!r}, in which it stands: ask for {cargo.carrier!r}")
     structure, played = structure_of(scene), judgement.replay
-    own = structure.slosh_slices[index]
-    columns = [played.body, played.slosh_displacement.T[own], played.slosh_velocity.T[own]]
+    modes = structure.slosh_slices[index]
+    columns = [played.body, played.slosh_displacement.T[modes], played.slosh_velocity.T[modes]]
     numbers = flatten(numbers_of_object(numbers_of(scene), index))
     rows = evaluate(_wrench(object_kind(structure, structure.objects[index])), columns, numbers)
     return ContactLoad(played.t, rows[:3].T.copy(), rows[3:].T.copy())
@@ -156,8 +156,8 @@ def modal_states(judgement: Judgement, scene: Scene, name: str) -> ModalStates:
     if cargo.filling is None:
         among = f"there are liquids in {', '.join(filled)}" if filled else "nor does any other object"
         raise ScenarioError(f"{name!r} holds no liquid; {among}")
-    played, own = judgement.replay, structure_of(scene).slosh_slices[index]
-    return ModalStates(played.t, played.slosh_displacement[:, own], played.slosh_velocity[:, own])
+    played, modes = judgement.replay, structure_of(scene).slosh_slices[index]
+    return ModalStates(played.t, played.slosh_displacement[:, modes], played.slosh_velocity[:, modes])
 
 
 def _object(scene: Scene, name: str, known: Collection[str]) -> tuple[int, Cargo]:

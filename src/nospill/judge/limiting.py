@@ -56,7 +56,7 @@ def limiting_rows(judgement: Judgement, scene: Scene) -> tuple[Limiting, ...]:
     """
     played = judgement.replay.t
     t = played[(played >= 0.0) & (played <= judgement.end_time)]
-    found = []
+    limiting = []
     for trace in judgement.traces:
         if len(trace.t) < 2 or (trace.constraint == Clearance.name and scene.leaves_time_alone):
             continue
@@ -67,8 +67,8 @@ def limiting_rows(judgement: Judgement, scene: Scene) -> tuple[Limiting, ...]:
         if row in judgement.corner_use:
             use = np.maximum(use, np.interp(t, played, judgement.corner_use[row]))
         if np.max(use) >= NEAR:
-            found.append(Limiting(row, t, use, float(np.mean(use >= AT_LIMIT))))
-    return tuple(sorted(found, key=lambda item: (-item.share, -float(np.max(item.use)))))
+            limiting.append(Limiting(row, t, use, float(np.mean(use >= AT_LIMIT))))
+    return tuple(sorted(limiting, key=lambda item: (-item.share, -float(np.max(item.use)))))
 
 
 def share_without_limit(rows: Sequence[Limiting]) -> float:

@@ -114,12 +114,12 @@ def _use(trajectory: Trajectory, scene: Scene, motion: JointMotion, speed: float
         speed,
         liquid=0.0 if liquid is None else liquid[0],
         contact=0.0 if contact is None else contact[0],
-        worst=_named(max(uses, key=itemgetter(0))[1]),
-        worst_contact="" if contact is None else _named(contact[1]),
+        worst=_subject_text(max(uses, key=itemgetter(0))[1]),
+        worst_contact="" if contact is None else _subject_text(contact[1]),
         height=0.0 if nearest is None else crests[nearest.subject],
         below_rim=None if nearest is None else nearest.edge.below_rim,
     )
 
 
-def _named(trace: Trace) -> str:
+def _subject_text(trace: Trace) -> str:
     return f"{trace.constraint} | {trace.subject}"

@@ -149,9 +149,9 @@ def _with_middles(states: np.ndarray, step: float) -> np.ndarray:
     q, qd = np.split(states, 2, axis=1)
     ends = np.stack([q[:-1], q[1:]]), np.stack([qd[:-1], qd[1:]])
     middles, rates = cubic_hermite(0.5, step, *ends), cubic_hermite_slope(0.5, step, *ends)
-    found = np.empty((2 * len(states) - 1, states.shape[1]))
-    found[::2], found[1::2] = states, np.hstack([middles, rates])
-    return found
+    dense = np.empty((2 * len(states) - 1, states.shape[1]))
+    dense[::2], dense[1::2] = states, np.hstack([middles, rates])
+    return dense
 
 
 def states_at(played: Replay, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -243,11 +243,11 @@ def _integrate(scene: Scene, body: np.ndarray, length: float) -> np.ndarray:
             alike.setdefault(object_kind(structure, item), []).append(index)
     states = np.empty((count + 1, 2 * half))
     for kind, indices in alike.items():
-        own = [np.r_[structure.slosh_slices[index]] for index in indices]
-        places = np.array([np.concatenate([part, half + part]) for part in own])
+        columns = [np.r_[structure.slosh_slices[index]] for index in indices]
+        places = np.array([np.concatenate([part, half + part]) for part in columns])
         states[:, places] = integrate(
             liquid_steps(kind),
-            np.array([initial[:, part].ravel() for part in own]),
+            np.array([initial[:, part].ravel() for part in columns]),
             inputs=body,
             lengths=np.full(count, length),
             parameters=np.array([flatten(numbers_of_object(numbers, index)) for index in indices]),

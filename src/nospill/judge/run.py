@@ -54,8 +54,8 @@ def run_of(trajectory: Trajectory, controller: Controller | None, motion: JointM
     """
     if controller is None:
         return Run(trajectory, motion, motion, None)
-    own = commanded(trajectory, controller)
-    samples = own if motion is None else JointSamples(own.t, *(motion(own.t, order) for order in range(3)))
+    command = commanded(trajectory, controller)
+    samples = command if motion is None else JointSamples(command.t, *(motion(command.t, order) for order in range(3)))
     asked = motion or QUINTIC_SPLINE.motion(samples)
     done = followed(asked, controller, float(samples.t[0]), float(samples.t[-1]))
     if controller.compensate:

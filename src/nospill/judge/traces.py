@@ -79,12 +79,12 @@ def motion_inputs(trajectory: Trajectory, scene: Scene, played: Replay) -> dict[
     liquids = [played.slosh_displacement.T, played.slosh_velocity.T]
     return {
         EvaluationPoint.OBJECT: (played.t, [played.body, *liquids]),
-        EvaluationPoint.JOINT: (played.t, [*joints, *_beside_path(trajectory, scene, played)]),
+        EvaluationPoint.JOINT: (played.t, [*joints, *_path_deviation(trajectory, scene, played)]),
         EvaluationPoint.TRAY: (played.t, [played.tray.position.T, played.tray.velocity.T, played.tray.acceleration.T]),
     }
 
 
-def _beside_path(trajectory: Trajectory, scene: Scene, played: Replay) -> list[np.ndarray]:
+def _path_deviation(trajectory: Trajectory, scene: Scene, played: Replay) -> list[np.ndarray]:
     """Offset and, where the corridor's width changes along the path, s; nothing where the tray keeps to its path."""
     if scene.motion.corridor is None:
         return []
@@ -108,10 +108,10 @@ def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray]) -> 
         is_residual, index = trace.constraint == ResidualHeight.name, owners[trace.subject]
         instant = slice(1, 2) if is_residual else slice(0, 1)
         final = replace(trace, **{name: getattr(trace, name)[instant] for name in ("t", "value", "limit", "margin")})
-        item, own = structure.objects[index], structure.slosh_slices[index]
+        item, modes = structure.objects[index], structure.slosh_slices[index]
         if is_residual and item.modes > 1:
             limit = np.abs(final.limit)
-            q, qd = (part[own, 1] for part in states)
+            q, qd = (part[modes, 1] for part in states)
             value = np.array([residual_height(item, numbers.objects[index], q, qd, float(limit[0]))])
             final = replace(final, value=value, margin=limit - value)
         yield final
@@ -142,14 +142,14 @@ def evaluated_traces(
         present = [item for item in constraints if item.evaluated_at is point and item.subjects(scene)]
         if not present:
             continue
-        found = _object_figures if point in OF_OBJECTS else _tray_figures
-        figures = found(scene, point, columns, numbers_of(scene, payload))
+        evaluate_figures = _object_figures if point in OF_OBJECTS else _tray_figures
+        figures = evaluate_figures(scene, point, columns, numbers_of(scene, payload))
         for constraint in present:
-            for subject, own in zip(constraint.subjects(scene), figures[constraint.name], strict=True):
+            for subject, figure in zip(constraint.subjects(scene), figures[constraint.name], strict=True):
                 traces[constraint.name].append(
-                    Trace(constraint.name, subject, constraint.unit, t, *own, law=constraint)
+                    Trace(constraint.name, subject, constraint.unit, t, *figure, law=constraint)
                 )
-    return tuple(trace for own in traces.values() for trace in own)
+    return tuple(trace for figure in traces.values() for trace in figure)
 
 
 Figures = dict[str, list[np.ndarray]]
@@ -164,16 +164,16 @@ def _tray_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarray
 
 def _object_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarray], numbers: SceneNumbers) -> Figures:
     """Object by object; before the slosh coordinates of all, their displacements and velocities, may be the motion."""
-    structure, found = structure_of(scene), {}
+    structure, of_objects = structure_of(scene), {}
     *body, q, qd = columns
     end = structure.end if point is EvaluationPoint.END else "residual"
-    for index, (item, own) in enumerate(zip(structure.objects, structure.slosh_slices, strict=True)):
+    for index, (item, modes) in enumerate(zip(structure.objects, structure.slosh_slices, strict=True)):
         function, names = object_figures_function(limited_object_kind(structure, item, end=end), point)
         if names:
-            rows = evaluate(function, [*body, q[own], qd[own]], flatten(numbers_of_object(numbers, index)))
+            rows = evaluate(function, [*body, q[modes], qd[modes]], flatten(numbers_of_object(numbers, index)))
             for name, figures in _by_constraint(names, rows).items():
-                found.setdefault(name, []).extend(figures)
-    return found
+                of_objects.setdefault(name, []).extend(figures)
+    return of_objects
 
 
 def _by_constraint(names: Sequence[str], rows: np.ndarray) -> Figures:

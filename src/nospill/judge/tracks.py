@@ -58,11 +58,11 @@ def _tracks(trajectory: Trajectory, scene: Scene, played: Replay, traces: Iterab
     heights = {trace.subject: trace.value[picked] for trace in traces if trace.constraint == SloshHeight.name}
     return {
         cargo.name: SloshTrack(
-            played.slosh_displacement[picked, own],
-            played.slosh_velocity[picked, own],
+            played.slosh_displacement[picked, modes],
+            played.slosh_velocity[picked, modes],
             heights.get(cargo.name, np.zeros(len(trajectory.t))),
         )
-        for cargo, own in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
+        for cargo, modes in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
         if cargo.oscillators
     }
 
@@ -87,16 +87,18 @@ def variant_tracks(trajectory: Trajectory, scene: Scene, names: Mapping[VariantI
         scene: whose objects; the stated ones are taken from the trajectory where it has all of their modes.
         names: variant -> what its track is called; others are left out.
     """
-    found = dict(trajectory.slosh)
-    unknown = [cargo.name for cargo in scene.cargo if cargo.oscillators and not _is_whole(found.get(cargo.name), cargo)]
+    tracks_of = dict(trajectory.slosh)
+    unknown = [
+        cargo.name for cargo in scene.cargo if cargo.oscillators and not _is_whole(tracks_of.get(cargo.name), cargo)
+    ]
     if unknown:
-        found |= liquid_tracks(trajectory, scene, dict(zip(unknown, unknown, strict=True)))
+        tracks_of |= liquid_tracks(trajectory, scene, dict(zip(unknown, unknown, strict=True)))
     for corner in corner_scenes(scene):
         wanted = {name: names[name, text] for name, text in corner.texts.items() if (name, text) in names}
         if wanted:
             tracks = liquid_tracks(at_speed(trajectory, corner.speed), corner.scene, wanted)
-            found |= {name: _in_planned_time(track, corner.speed) for name, track in tracks.items()}
-    return found
+            tracks_of |= {name: _in_planned_time(track, corner.speed) for name, track in tracks.items()}
+    return tracks_of
 
 
 def _in_planned_time(track: SloshTrack, speed: float) -> SloshTrack:

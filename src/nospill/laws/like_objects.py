@@ -50,8 +50,8 @@ def hull_objects(scene: Scene) -> tuple[Cargo, ...]:
         swing = cargo.filling.initial_swing if cargo.filling else None
         # at one height, on the tray or in a carrier: the hull is one of places on a plane, and what is carried has no
         # contact of its own
-        own = (len(numbers.oscillators), cargo.tolerance, swing, cargo.seat, bool(cargo.carrier), cargo.constraints)
-        groups.setdefault((*key, *own), []).append(index)
+        further = (len(numbers.oscillators), cargo.tolerance, swing, cargo.seat, bool(cargo.carrier), cargo.constraints)
+        groups.setdefault((*key, *further), []).append(index)
     outer: set[int] = set()
     for members in groups.values():
         places = np.array([scene.cargo[index].position for index in members])

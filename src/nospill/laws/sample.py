@@ -61,7 +61,7 @@ class Sample:
         tray_position, tray_velocity, tray_acceleration: (3, 1), of the tray's centre, base axes, m, m/s, m/s^2.
         path_parameter: s; only where the tray may leave its path.
         jerks: third derivatives of s (1/s^3) and of what is free, in the order of `Freedom`: of theta_x and theta_y
-            (rad/s^3), of the offset along each axis (m/s^3), of the yaw beside the path's (rad/s^3).
+            (rad/s^3), of the offset along each axis (m/s^3), of the yaw relative to the path's (rad/s^3).
     """
 
     structure: Structure
@@ -102,8 +102,8 @@ def sample_objects(
     for object_structure, object_numbers, states in zip(structure.objects, numbers.objects, slosh, strict=True):
         motion = object_motion(object_numbers, tray)
         wrench = contact_wrench(structure.fidelity, object_numbers, object_structure, motion, states)
-        own, corrected = (object_numbers, object_structure, motion, states), structure.fidelity == "full"
-        surface, added = surface_vector(*own, corrected=corrected), yaw_heights(*own, corrected=corrected)
+        arguments, corrected = (object_numbers, object_structure, motion, states), structure.fidelity == "full"
+        surface, added = surface_vector(*arguments, corrected=corrected), yaw_heights(*arguments, corrected=corrected)
         samples.append(ObjectSample(object_numbers, object_structure, motion, wrench, surface, states, added))
     return tuple(samples)
 

@@ -40,7 +40,7 @@ class ArmRanges:
         return self.delay == 0.0 and self.lag == 0.0
 
 
-def drawn_arms(scene: Scene, ranges: ArmRanges, count: int, *, seed: int) -> tuple[tuple[Controller, ...], float]:
+def draw_arms(scene: Scene, ranges: ArmRanges, count: int, *, seed: int) -> tuple[tuple[Controller, ...], float]:
     """So many arms, and how much longer than planned the latest of them may move, s."""
     joints = len(scene.robot.joints)
     stated = scene.controller or Controller(np.zeros(joints), np.zeros(joints))

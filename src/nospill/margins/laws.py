@@ -58,10 +58,10 @@ def tray_motion(trajectory: Trajectory, scene: Scene, *, after: float = 0.0) -> 
         after: s of rest that are added to the end.
     """
     run = run_of(trajectory, scene.controller)
-    return _sampled(run.motion or trajectory.motion, scene, float(trajectory.t[0]), run.record.end_time + after)
+    return _sample(run.motion or trajectory.motion, scene, float(trajectory.t[0]), run.record.end_time + after)
 
 
-def followed_motions(
+def simulate_arms(
     trajectory: Trajectory, scene: Scene, arms: Iterable[Controller], *, after: float
 ) -> Iterator[TrayMotion]:
     """The tray's motion as each of some arms follows the command of a plan.
@@ -76,10 +76,10 @@ def followed_motions(
     command, span = QUINTIC_SPLINE.motion(samples), (float(samples.t[0]), float(samples.t[-1]))
     start, end = float(trajectory.t[0]), run_of(trajectory, scene.controller).record.end_time + after
     for arm in arms:
-        yield _sampled(followed(command, arm, *span), scene, start, end)
+        yield _sample(followed(command, arm, *span), scene, start, end)
 
 
-def _sampled(motion: JointMotion, scene: Scene, start: float, end: float) -> TrayMotion:
+def _sample(motion: JointMotion, scene: Scene, start: float, end: float) -> TrayMotion:
     count = int(np.ceil((end - start) / STEP - 1e-9))
     t = np.linspace(start, end, 2 * count + 1)
     _, body = tray_from_joints(scene, [motion(t, order) for order in range(3)])
@@ -114,12 +114,12 @@ def object_margins(scene: Scene, numbers: Sequence[Sequence[ObjectNumbers]], mot
     """
     structure = structure_of(scene)
     shared = (scene.gravity, scene.motion.residual_fraction)
-    columns = [[np.array(flatten((*shared, item))) for item in own] for own in numbers]
+    columns = [[np.array(flatten((*shared, item))) for item in drawn] for drawn in numbers]
     states = _states(scene, structure, columns, motion)
     known = by_name(scene)
     return tuple(
-        _margins(structure, item, own, columns[index], states[index], motion, known)
-        for index, (item, own) in enumerate(zip(structure.objects, numbers, strict=True))
+        _margins(structure, item, drawn, columns[index], states[index], motion, known)
+        for index, (item, drawn) in enumerate(zip(structure.objects, numbers, strict=True))
     )
 
 
@@ -128,7 +128,7 @@ def _states(
 ) -> list[np.ndarray]:
     """Of each object its liquid in every sample, (m, n + 1, 2 k); all objects of a kind at once."""
     steps = (motion.body.shape[1] - 1) // 2
-    found = [np.empty((len(own), steps + 1, 0)) for own in columns]
+    all_states = [np.empty((len(of_object), steps + 1, 0)) for of_object in columns]
     alike: dict[Structure, list[int]] = {}
     for index, item in enumerate(structure.objects):
         if item.coordinates:
@@ -144,9 +144,9 @@ def _states(
             lengths=np.full(steps, motion.step),
             parameters=np.array([one for index in indices for one in columns[index]]),
         ).transpose(1, 0, 2)
-        for index, own in zip(indices, np.split(played, len(indices)), strict=True):
-            found[index] = own
-    return found
+        for index, of_object in zip(indices, np.split(played, len(indices)), strict=True):
+            all_states[index] = of_object
+    return all_states
 
 
 def _margins(
@@ -165,7 +165,7 @@ def _margins(
     at_end, last_names = object_figures_function(ending, EvaluationPoint.END)
     constraints = tuple(known[name] for name in (*names, *last_names))
     body, figures = motion.body[:, ::2], np.empty((len(numbers), len(constraints), 2))
-    for index, (own, parameters, state) in enumerate(zip(numbers, columns, states, strict=True)):
+    for index, (drawn, parameters, state) in enumerate(zip(numbers, columns, states, strict=True)):
         q, qd = np.split(state.T, 2)
         rows = _worst(evaluate(during, [body, q, qd], parameters), constraints[: len(names)]) if names else []
         if last_names:
@@ -173,7 +173,7 @@ def _margins(
             rows = [*rows, *_worst(final, constraints[len(names) :])]
         figures[index] = rows
         if item.modes > 1:
-            _play_on(item, own, constraints, q[:, -1], qd[:, -1], figures[index])
+            _play_on(item, drawn, constraints, q[:, -1], qd[:, -1], figures[index])
     margin, limit = figures[..., 0], figures[..., 1]
     return Margins(constraints, np.where(np.isnan(margin), -np.inf, margin), limit)
 

@@ -20,9 +20,9 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tip import Tip
 from nospill.laws.constraints.twist import Twist
 from nospill.laws.scene_parameters import object_numbers
-from nospill.margins.arms import ArmRanges, drawn_arms
+from nospill.margins.arms import ArmRanges, draw_arms
 from nospill.margins.drawn_object import drawn_object
-from nospill.margins.laws import Margins, TrayMotion, followed_motions, object_margins, tray_motion
+from nospill.margins.laws import Margins, TrayMotion, object_margins, simulate_arms, tray_motion
 from nospill.margins.ranges import FACTORS, Ranges, draw, scenario_ranges
 from nospill.margins.report import ConstraintRisk, Influence, MarginsReport, probability
 from nospill.plans.plan import Plan
@@ -125,12 +125,12 @@ def margins(
         done += len(range(*part.indices(total)))
         if progress is not None:
             progress(done, total)
-    found = [
+    all_margins = [
         _figures(cargo.name, own, objects)
         for cargo, own, objects in zip(scene.cargo, zip(*parts, strict=True), changed, strict=True)
     ]
     drawn = slice(0, samples)
-    worst = 1.0 - np.max([use for item in found for use in _during(item).values()], axis=0)
+    worst = 1.0 - np.max([use for item in all_margins for use in _during(item).values()], axis=0)
     return MarginsReport(
         scenario=scene.name,
         ranges={cargo.name: own for cargo, own in zip(scene.cargo, used, strict=True)},
@@ -141,13 +141,15 @@ def margins(
         nominal=float(worst[-1]),
         worst_margin=worst[drawn],
         draws=draws,
-        spill=probability(np.any([_spilt(item) for item in found], axis=0)[drawn]),
-        over_limit=probability(_broken(found, (SloshHeight.name,))[drawn]),
-        slide=probability(_broken(found, (Slip.name, Twist.name, Lift.name))[drawn]),
-        tip=probability(_broken(found, (Tip.name,))[drawn]),
-        any_limit=probability(_broken(found, tuple({name: None for item in found for name in item.use}))[drawn]),
-        constraints=_risks(found, drawn),
-        influences=_influences(found, labels, samples),
+        spill=probability(np.any([_spilt(item) for item in all_margins], axis=0)[drawn]),
+        over_limit=probability(_breaks(all_margins, (SloshHeight.name,))[drawn]),
+        slide=probability(_breaks(all_margins, (Slip.name, Twist.name, Lift.name))[drawn]),
+        tip=probability(_breaks(all_margins, (Tip.name,))[drawn]),
+        any_limit=probability(
+            _breaks(all_margins, tuple({name: None for item in all_margins for name in item.use}))[drawn]
+        ),
+        constraints=_risks(all_margins, drawn),
+        influences=_influences(all_margins, labels, samples),
     )
 
 
@@ -169,8 +171,8 @@ def _motions(plan: Plan, ranges: ArmRanges, samples: int, total: int, seed: int)
     """
     after, first = 0.0, 0
     if not ranges.certain:
-        arms, after = drawn_arms(plan.scene, ranges, samples, seed=seed)
-        for first, motion in enumerate(followed_motions(plan.trajectory, plan.scene, arms, after=after)):
+        arms, after = draw_arms(plan.scene, ranges, samples, seed=seed)
+        for first, motion in enumerate(simulate_arms(plan.trajectory, plan.scene, arms, after=after)):
             yield motion, slice(first, first + 1)
         first = samples
     planned = tray_motion(plan.trajectory, plan.scene, after=after)
@@ -202,7 +204,7 @@ def _spilt(item: _Found) -> np.ndarray:
     return np.maximum(item.value[SloshHeight.name], item.value[ResidualHeight.name]) > item.freeboard
 
 
-def _broken(found: list[_Found], names: tuple[str, ...]) -> np.ndarray:
+def _breaks(found: list[_Found], names: tuple[str, ...]) -> np.ndarray:
     """Where any object breaks one of these constraints, (m,)."""
     count = len(next(iter(found[0].use.values())))
     columns = [item.use[name] > 1.0 for item in found for name in names if name in item.use]
@@ -215,7 +217,7 @@ def _risks(found: list[_Found], drawn: slice) -> tuple[ConstraintRisk, ...]:
     for name in names:
         owners = [(float(np.max(item.use[name][drawn])), item.name) for item in found if name in item.use]
         largest, subject = max(owners)
-        risks.append(ConstraintRisk(name, probability(_broken(found, (name,))[drawn]), largest, subject))
+        risks.append(ConstraintRisk(name, probability(_breaks(found, (name,))[drawn]), largest, subject))
     return tuple(risks)
 
 
@@ -243,7 +245,7 @@ def _sweeps(ranges: Sequence[Ranges]) -> tuple[np.ndarray, list[tuple[str, str]]
             row[:, column] = low[:, column] + share * (high[:, column] - low[:, column])
             rows.append(row)
             labels.append(
-                (factor, _common(row[:, column], share, lambda value, factor=factor: _written(factor, value)))
+                (factor, _common(row[:, column], share, lambda value, factor=factor: _range_text(factor, value)))
             )
     x, y = FACTORS.index("position x"), FACTORS.index("position y")
     for right in (-1, 0, 1):
@@ -264,16 +266,16 @@ def _common(values: np.ndarray, share: float, written: Callable[[float], str]) -
     return written(float(values[0])) if alike else f"{100 * share:.3g} % of the range"
 
 
-def _written(factor: str, value: float) -> str:
+def _range_text(factor: str, value: float) -> str:
     if factor == "damping":
         return f"x {math.exp(value):.3g}"
     return f"{1e3 * value:+.3g} mm" if factor == "fill" else f"{1e2 * value:+.3g} %"
 
 
-def _influences(found: list[_Found], labels: list[tuple[str, str]], samples: int) -> tuple[Influence, ...]:
+def _influences(figures: list[_Found], labels: list[tuple[str, str]], samples: int) -> tuple[Influence, ...]:
     influences, places = [], [*(place for _, place in labels), "as planned"]
     for measure, wanted in MEASURES.items():
-        owned = [(item, name) for item in found for name in wanted if name in item.use]
+        owned = [(item, name) for item in figures for name in wanted if name in item.use]
         if not owned:
             continue
         swept = 1.0 - np.array([item.use[name][samples:] for item, name in owned])

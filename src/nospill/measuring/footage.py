@@ -49,8 +49,8 @@ def footage(path: str | os.PathLike[str], rate: float | None = None) -> Iterator
     cv2.utils.logging.setLogLevel(0)  # what it prints of damaged files would stand beside our one line
     film = cv2.VideoCapture(name, cv2.CAP_FFMPEG)
     try:
-        found, frame = film.read()
-        if not found:
+        more, frame = film.read()
+        if not more:
             raise ScenarioError(f"{name}: cannot be read as a film; give mp4, mov, avi, mkv or webm")
         said = float(film.get(cv2.CAP_PROP_FPS))
         rate = said if rate is None else rate
@@ -59,10 +59,10 @@ def footage(path: str | os.PathLike[str], rate: float | None = None) -> Iterator
         if max(frame.shape) > _LARGEST_SIDE:
             raise ScenarioError(f"{name}: {frame.shape[1]} x {frame.shape[0]} pixels; at most {_LARGEST_SIDE} a side")
         number = 0
-        while found:
+        while more:
             yield number / rate, cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
             number += 1
-            found, frame = film.read()
+            more, frame = film.read()
     finally:
         film.release()
         cv2.utils.logging.setLogLevel(before)

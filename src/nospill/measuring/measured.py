@@ -98,8 +98,8 @@ def measured_heights(
     sign = _sign(_pictures(film, rate, finder, corners, scale))
     lines: dict[float, Line] = {}
     lost = [(t, NO_MARKER) for t, own in corners.items() if own is None]
-    for t, found in _pictures(film, rate, finder, corners, scale):
-        own = line(edges(found, sign))
+    for t, picture in _pictures(film, rate, finder, corners, scale):
+        own = line(edges(picture, sign))
         if own is None or not _tells(own, vessel):
             lost.append((t, NO_SURFACE))
         else:

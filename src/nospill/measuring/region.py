@@ -19,7 +19,7 @@ _TO_CENTRE = 0.5
 """Pixels; AprilTag counts from the corner of a pixel, the rest of OpenCV from its centre."""
 _MARGIN = 1.0 / 6.0
 """Of the marker's side: the white border, one square, on which the paper stands."""
-_BESIDE = 1.1
+_MARGIN_OF_RADIUS = 1.1
 """Radii to either side of the axis that are looked at."""
 
 
@@ -82,22 +82,22 @@ class Finder:
     def region(self, frame: np.ndarray, corners: np.ndarray, scale: float) -> Region:
         """The vessel made straight, one pixel `scale` (m) wide."""
         cv2 = opencv()
-        own = self._vessel
-        half = 0.5 * own.marker
-        low, high = own.marker * _MARGIN, own.marker * (1.0 + _MARGIN)
+        vessel = self._vessel
+        half = 0.5 * vessel.marker
+        low, high = vessel.marker * _MARGIN, vessel.marker * (1.0 + _MARGIN)
         square = np.array([[-half, high], [half, high], [half, low], [-half, low]])
         to_frame = cv2.getPerspectiveTransform(square.astype(np.float32), corners.astype(np.float32))
-        columns, rows = round(2.0 * _BESIDE * own.radius / scale), round(own.height / scale)
-        first = own.axis - _BESIDE * own.radius
+        columns, rows = round(2.0 * _MARGIN_OF_RADIUS * vessel.radius / scale), round(vessel.height / scale)
+        first = vessel.axis - _MARGIN_OF_RADIUS * vessel.radius
         to_plane = np.array(
-            [[scale, 0.0, first + 0.5 * scale], [0.0, -scale, own.height - 0.5 * scale], [0.0, 0.0, 1.0]]
+            [[scale, 0.0, first + 0.5 * scale], [0.0, -scale, vessel.height - 0.5 * scale], [0.0, 0.0, 1.0]]
         )
         whole = to_frame @ to_plane
         way = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         picture = cv2.warpPerspective(frame.astype(np.float32), whole, (columns, rows), flags=way)
         seen = cv2.warpPerspective(np.ones(frame.shape, np.uint8), whole, (columns, rows), flags=way) > 0
-        place = (first + (np.arange(columns) + 0.5) * scale - own.axis) / own.radius
-        level = own.height - (np.arange(rows) + 0.5) * scale
+        place = (first + (np.arange(columns) + 0.5) * scale - vessel.axis) / vessel.radius
+        level = vessel.height - (np.arange(rows) + 0.5) * scale
         return Region(picture, scale, place, level, corners, seen)
 
     def scale(self, corners: np.ndarray) -> float:

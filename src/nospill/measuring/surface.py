@@ -90,37 +90,37 @@ def edges(region: Region, sign: float) -> Edges:
     return Edges(region.place[inside][column], level, np.minimum(here, 1.5 * usual), column, len(inside))
 
 
-def line(found: Edges) -> Line | None:
+def line(edges: Edges) -> Line | None:
     """The curve on which most of the edges lie; None where there are too few to tell.
 
     Draws of three edges each give a curve; that with the strongest edges near it is fitted to these again.
     """
-    count = len(found.level)
+    count = len(edges.level)
     if count < 12:
         return None
-    terms = _terms(found.place)
+    terms = _terms(edges.place)
     generator = np.random.default_rng(0)
     drawn = generator.integers(count, size=(_DRAWS, 3))
     systems = terms[drawn][:, :, :3]
     usable = np.abs(np.linalg.det(systems)) > 1e-2
     if not np.any(usable):
         return None
-    curves = np.linalg.solve(systems[usable], found.level[drawn[usable]][:, :, None])[:, :, 0]
-    distance = np.abs(curves @ terms[:, :3].T - found.level)
-    value = np.sum(np.where(distance < _NEAR, found.strength * (1.0 - (distance / _NEAR) ** 2), 0.0), axis=1)
+    curves = np.linalg.solve(systems[usable], edges.level[drawn[usable]][:, :, None])[:, :, 0]
+    distance = np.abs(curves @ terms[:, :3].T - edges.level)
+    value = np.sum(np.where(distance < _NEAR, edges.strength * (1.0 - (distance / _NEAR) ** 2), 0.0), axis=1)
     best = np.append(curves[int(np.argmax(value))], (0.0, 0.0))
-    on = np.abs(terms @ best - found.level) < 1.5 * _NEAR
+    on = np.abs(terms @ best - edges.level) < 1.5 * _NEAR
     for _ in range(_ROUNDS):
         if np.count_nonzero(on) < 12:
             return None
-        own = terms[on] * np.sqrt(found.strength[on])[:, None]
-        best = np.linalg.lstsq(own, found.level[on] * np.sqrt(found.strength[on]), rcond=1e-6)[0]
-        on = np.abs(terms @ best - found.level) < _NEAR
-    return _judged(found, terms, best, on)
+        weighted = terms[on] * np.sqrt(edges.strength[on])[:, None]
+        best = np.linalg.lstsq(weighted, edges.level[on] * np.sqrt(edges.strength[on]), rcond=1e-6)[0]
+        on = np.abs(terms @ best - edges.level) < _NEAR
+    return _assess(edges, terms, best, on)
 
 
-def _judged(found: Edges, terms: np.ndarray, best: np.ndarray, on: np.ndarray) -> Line | None:
-    left = found.level[on] - terms[on] @ best
+def _assess(edges: Edges, terms: np.ndarray, best: np.ndarray, on: np.ndarray) -> Line | None:
+    left = edges.level[on] - terms[on] @ best
     if len(left) < 12:
         return None
     inverse = np.linalg.pinv(terms[on].T @ terms[on])
@@ -128,9 +128,9 @@ def _judged(found: Edges, terms: np.ndarray, best: np.ndarray, on: np.ndarray) -
     variance = float(left @ left) / (len(left) - 5) * 8.0
     ends = np.array([[1.0, -1.0, 0.0, 0.0, 1.0], [1.0, 1.0, 0.0, 0.0, 1.0]])
     deviation = float(np.sqrt(np.max(np.sum(ends @ inverse * ends, axis=1)) * variance))
-    hit = np.zeros(found.columns, dtype=bool)
-    hit[found.column[on]] = True
-    third = found.columns // 3
+    hit = np.zeros(edges.columns, dtype=bool)
+    hit[edges.column[on]] = True
+    third = edges.columns // 3
     heights = ends @ best
     return Line(
         left=float(heights[0]),
@@ -138,7 +138,7 @@ def _judged(found: Edges, terms: np.ndarray, best: np.ndarray, on: np.ndarray) -
         deviation=deviation,
         confidence=float(np.mean(hit)),
         sides=(float(np.mean(hit[:third])), float(np.mean(hit[-third:]))),
-        strength=float(np.sum(found.strength[on])),
+        strength=float(np.sum(edges.strength[on])),
         terms=best,
     )
 

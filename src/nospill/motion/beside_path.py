@@ -1,4 +1,4 @@
-"""How a recorded tray is beside its path, where the path leaves it free."""
+"""Deviation of a recorded tray from its path, where the path leaves it free."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ def recorded_freedom(trajectory: Trajectory, scene: Scene) -> list[np.ndarray]:
     """What is free of the tray, part by part; all of it is zero on a given path.
 
     Returns:
-        Where they are free: tilt (m, 2), rad; offset from the path at the recorded s, base axes (m, 3), m; yaw beside
+        Where they are free: tilt (m, 2), rad; offset from the path at the recorded s, base axes (m, 3), m; yaw against
         that of the path there (m, 1), rad.
     """
     rules, pose = scene.motion, scene.path.at(trajectory.s)
-    found = [trajectory.tilt] if rules.tilt_free else []
+    parts = [trajectory.tilt] if rules.tilt_free else []
     if rules.corridor is not None:
-        found.append(trajectory.tray_position - pose[:, :3])
+        parts.append(trajectory.tray_position - pose[:, :3])
     if rules.yaw_free:
         yaw = yaw_of(matrices(trajectory.tray_quaternion))
-        found.append(np.unwrap(yaw - pose[:, 3])[:, None])
-    return found
+        parts.append(np.unwrap(yaw - pose[:, 3])[:, None])
+    return parts

@@ -90,7 +90,7 @@ def followed(command: JointMotion, controller: Controller, start: float, stop: f
     spline = QUINTIC_SPLINE.motion(JointSamples(t, command(t)))
     assert isinstance(spline, HeldMotion)
     assert isinstance(spline.inside, Pieces)
-    return _Followed(_lagged(spline.inside, controller.lag), controller, start, stop)
+    return _Followed(_lag_spline(spline.inside, controller.lag), controller, start, stop)
 
 
 def settling_after(controller: Controller) -> float:
@@ -136,7 +136,7 @@ def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
         powers = np.arange(degree, -1, -1.0)[:, None, None]
         derived = np.concatenate([np.zeros_like(derived[:1]), (derived * powers)[:-1]])
         steady = steady + (-lag) ** order * derived
-    found = Pieces(pieces.breaks, steady)
+    course = Pieces(pieces.breaks, steady)
     # At every break the lag is continuous, and the polynomials differ by their fifth derivatives.
     widths = np.diff(pieces.breaks)
     last = np.zeros_like(steady[-1])

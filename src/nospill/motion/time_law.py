@@ -88,10 +88,10 @@ def retimed(trajectory: Trajectory, scene: Scene, law: TimeLaw) -> Trajectory:
     """
     count = int(np.ceil(law.duration * trajectory.rate - 1e-6)) + 1
     t = np.arange(count) / trajectory.rate
-    beside = QUINTIC_SPLINE.motion(JointSamples(trajectory.t, np.column_stack([trajectory.s, trajectory.tilt])))
+    splined = QUINTIC_SPLINE.motion(JointSamples(trajectory.t, np.column_stack([trajectory.s, trajectory.tilt])))
     joints, others = (
         [HeldMotion(RetimedMotion(motion, law), 0.0, law.duration)(t, order) for order in range(3)]
-        for motion in (trajectory.motion, beside)
+        for motion in (trajectory.motion, splined)
     )
     still = np.zeros_like(joints[0])
     tray = kinematics(scene.robot).motions(joints[0], still, still, tool=scene.tray.tool)

@@ -161,8 +161,8 @@ class Trajectory:
         if not isinstance(order, int | np.integer) or order not in range(4):
             raise ScenarioError(f"order {order!r} of a motion: 0 (position), 1 (speed), 2 (acceleration) or 3 (jerk)")
         times = self.require_times(t)
-        found = self.motion(np.atleast_1d(times), int(order))
-        return found if times.ndim else found[0]
+        values = self.motion(np.atleast_1d(times), int(order))
+        return values if times.ndim else values[0]
 
     def require_times(self, t: ArrayLike) -> np.ndarray:
         """Times as an array, () or (m,), within the record but for rounding.
@@ -213,7 +213,7 @@ def _columns(joints: tuple[str, ...], slosh: dict[str, int]) -> list[tuple[str, 
     return columns
 
 
-def _carried(header: list[str]) -> tuple[tuple[str, ...], dict[str, int]]:
+def _columns_of_header(header: list[str]) -> tuple[tuple[str, ...], dict[str, int]]:
     """Joints and slosh coordinates per object, read by position from the header: names may look like other columns."""
     before = len(_columns((), {})) - _TRAY_COLUMNS
     tray = header.index("tray_x_m") if "tray_x_m" in header else before
@@ -281,7 +281,7 @@ def read_trajectory(path: FilePath) -> Trajectory:
         raise PlanFolderError(f"{path}: cannot be read ({error})") from error
     lines = text.rstrip().splitlines()
     header = [name.strip() for name in next(csv.reader(lines[:1]), [])]
-    joints, slosh = _carried(header)
+    joints, slosh = _columns_of_header(header)
     columns = _columns(joints, slosh)
     if header != [name for name, _, _ in columns]:
         missing = [name for name, _, _ in columns if name not in header]

@@ -21,7 +21,7 @@ from nospill.motion.resampling import sampled
 from nospill.motion.trajectory import Trajectory
 from nospill.motion_files.points import MotionFile
 from nospill.motion_files.reading import read_motion
-from nospill.motion_files.receivers import played_by, receiver_named, usual_receiver
+from nospill.motion_files.receivers import interpolation_of, receiver_named, usual_receiver
 from nospill.scene.scene import Scene
 
 NOT_JUDGED = "path, corridor, tilt and goal of the plan, jerks"
@@ -56,14 +56,14 @@ class JudgedMotion:
 
         The code is the name of the constraint with hyphens, as "slosh-height".
         """
-        found = []
+        failures = []
         for row in self.certificate.rows:
             if row.ok:
                 continue
             first = _first_failing(self.judgement.fullest.get(row.id), row.at_s)
             # the judged times have the first point at 0
             point = int(np.searchsorted(self.file.samples.t, first, side="right"))
-            found.append(
+            failures.append(
                 {
                     "code": row.constraint.replace(" ", "-"),
                     "subject": row.subject,
@@ -75,7 +75,7 @@ class JudgedMotion:
                     "use": row.use,
                 }
             )
-        return found
+        return failures
 
 
 def judge_file(
@@ -110,7 +110,7 @@ def judge_file(
     require_rate(rate)
     file = read_motion(path, scene, unit=unit, rate=rows_per_second)
     chosen = usual_receiver(file.samples) if receiver is None else receiver_named(receiver)
-    played = played_by(chosen, file.samples, scene.output_rate, file.origin)
+    played = interpolation_of(chosen, file.samples, scene.output_rate, file.origin)
     motion = played.motion(file.samples)
     _require_level(file, scene)
     even = sampled(motion, 0.0, float(file.samples.t[-1]), scene.output_rate)

@@ -37,8 +37,8 @@ def read_message(path: Path) -> NamedPoints:
         documents = [parsed_json(text)] if path.suffix == ".json" else list(yaml.load_all(text, Loader=_LOADER))
     except (ValueError, yaml.YAMLError, RecursionError) as error:
         raise ScenarioError(f"{path}: is no {path.suffix[1:].upper()} ({' '.join(str(error).split())[:160]})") from None
-    found = [table for document in documents for table in _trajectories(document, _DEEPEST)]
-    filled = [table for table in found if table["points"]]
+    tables = [table for document in documents for table in _trajectories(document, _DEEPEST)]
+    filled = [table for table in tables if table["points"]]
     if len(filled) != 1:
         count = f"{len(filled)} of them" if filled else "none with points"
         raise ScenarioError(

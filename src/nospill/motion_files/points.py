@@ -107,14 +107,14 @@ def _order(points: NamedPoints, robot: Robot) -> tuple[list[int], list[str]]:
     if len(names) != count or len(set(names)) != count:
         raise ScenarioError(f"{points.origin}: {len(names)} joint names ({', '.join(names)[:120]}), {count} positions")
     plain = [_bare(name) for name in names]
-    found = [plain.index(_bare(name)) if plain.count(_bare(name)) == 1 else -1 for name in wanted]
-    missing = [name for name, place in zip(wanted, found, strict=True) if place < 0]
+    places = [plain.index(_bare(name)) if plain.count(_bare(name)) == 1 else -1 for name in wanted]
+    missing = [name for name, place in zip(wanted, places, strict=True) if place < 0]
     if missing:
         raise ScenarioError(
             f"{points.origin}: its joints are {', '.join(names)[:160]}; {listed(tuple(missing), last='and')} of "
             f"{robot.name} are not among them: this is the motion of another arm, or its joints have other names there"
         )
-    return found, [name for index, name in enumerate(names) if index not in found]
+    return places, [name for index, name in enumerate(names) if index not in places]
 
 
 def _bare(name: str) -> str:

@@ -82,7 +82,7 @@ def usual_receiver(samples: JointSamples) -> Receiver:
     return RECEIVERS["jtc" if samples.speed is not None else "quintic"]
 
 
-def played_by(receiver: Receiver, samples: JointSamples, rate: float, origin: str) -> Interpolation:
+def interpolation_of(receiver: Receiver, samples: JointSamples, rate: float, origin: str) -> Interpolation:
     """What a receiver makes of points.
 
     Raises:

@@ -33,10 +33,10 @@ def choose_base_yaw(scene: Scene) -> Scene:
     if not has_free_base(scene):
         return scene
     turns = sorted(range(-180 + STEP_DEG, 181, STEP_DEG), key=lambda turn: (abs(turn), -turn))
-    found: list[tuple[float, float, int, Scene]] = []
+    choices: list[tuple[float, float, int, Scene]] = []
     nearest: tuple[float, int, Scene] | None = None
     for order, turn in enumerate(turns):
-        candidate = _turned(scene, turn)
+        candidate = _turn_base(scene, turn)
         reached = farthest_reached(candidate.robot, candidate.path, candidate.tray.tool)
         if reached == 1.0:  # else following it, which takes much longer, leads nowhere
             tried = try_joint_paths(candidate.robot, candidate.path, tool=candidate.tray.tool)
@@ -44,10 +44,12 @@ def choose_base_yaw(scene: Scene) -> Scene:
             if tried.paths:
                 best = tried.paths[0]
                 # rounded, so that turns of an upright arm compare by their margins and not by rounding errors
-                found.append((float(f"{best.speed_figure:.6g}"), -float(f"{best.limit_margin:.6g}"), order, candidate))
+                choices.append(
+                    (float(f"{best.speed_figure:.6g}"), -float(f"{best.limit_margin:.6g}"), order, candidate)
+                )
         if nearest is None or reached > nearest[0]:
             nearest = reached, turn, candidate
-    if not found:
+    if not choices:
         assert nearest is not None  # there are turns
         _, turn, candidate = nearest
         failure = _failure(candidate)
@@ -56,7 +58,7 @@ def choose_base_yaw(scene: Scene) -> Scene:
             f"follow the path; the nearest to it: at {turn} deg, {failure}",
             failure.reason,
         )
-    return min(found, key=lambda entry: entry[:3])[3]
+    return min(choices, key=lambda entry: entry[:3])[3]
 
 
 def base_yaw_text(scene: Scene) -> str:
@@ -70,7 +72,7 @@ def _robot_table(scene: Scene) -> dict[str, Any]:
     return table
 
 
-def _turned(scene: Scene, turn: int) -> Scene:
+def _turn_base(scene: Scene, turn: int) -> Scene:
     table = scene.source | {"robot": _robot_table(scene) | {"base_yaw": f"{turn} deg"}}
     return scene_from_table(table, name=scene.name).limited_as(scene)
 

@@ -98,8 +98,8 @@ def feasible_paths(scene: Scene) -> list[FeasiblePath]:
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
     scenes = [way.scene() for way in path_candidates(scene)]
     tried = [try_joint_paths(item.robot, item.path, tool=item.tray.tool) for item in scenes]
-    found = [FeasiblePath(item, one.paths) for item, one in zip(scenes, tried, strict=True) if one.paths]
-    if not found:
+    feasible = [FeasiblePath(item, one.paths) for item, one in zip(scenes, tried, strict=True) if one.paths]
+    if not feasible:
         first = tried[0].failure()
         which = "the only way that was tried" if len(tried) == 1 else f"any of the {len(tried)} ways that were tried"
         raise NoSolutionError(
@@ -108,7 +108,7 @@ def feasible_paths(scene: Scene) -> list[FeasiblePath]:
             first.reason,
         )
     # rounded, so that ways that are alike compare by their order
-    return sorted(found, key=lambda way: float(f"{way.paths[0].speed_figure:.6g}"))
+    return sorted(feasible, key=lambda way: float(f"{way.paths[0].speed_figure:.6g}"))
 
 
 def _arcs(scene: Scene) -> Iterator[PathCandidate]:

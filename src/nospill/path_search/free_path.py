@@ -36,7 +36,7 @@ _SMOOTHINGS = (0.1, 0.05, 0.02, 0.01, 0.004)
 _OF_RADIUS = 0.8
 """Part of the radius about a place on the way that smoothing may take at most."""
 _SPARES = (0.015, 0.0)
-"""m; room that sampled ways keep from obstacles beside what must be kept, so that there is room for a smooth curve."""
+"""m; slack that sampled ways keep from obstacles beyond the clearance, which leaves space for a smooth curve."""
 _DENSE = 161
 """Points of a sampled way by which a smooth curve is fitted."""
 _POINTS = 41
@@ -53,20 +53,20 @@ def fastest_clear_path(scene: Scene) -> Scene:
 
     It is the fastest of the plain ways and detours on which nothing is in the way of the level tray, or a much faster
     one that is found by sampling where the straight one or a faster one is blocked; where none is clear, the fastest of
-    those that are found by sampling; where there is none either, the one with most room, and the certificate decides
+    those that are found by sampling; where there is none either, the one with most slack, and the certificate decides
     then.
 
     Raises:
         ScenarioError: an end is out of reach, or an obstacle is in the way of the tray there.
         NoSolutionError: the arm can follow no way; or none is clear, and the tray is level: tells of the one with most
-            room.
+            slack.
     """
     if not scene.has_surroundings:
         ways = feasible_paths(scene)
         clear = (way.scene for way in ways if not scene.keeps_distances or any(are_clear(scene, way.paths)))
-        found = next(clear, None)
-        if found is not None:
-            return found
+        fastest = next(clear, None)
+        if fastest is not None:
+            return fastest
     require_reachable_ends(scene.robot, scene.path, scene.tray.tool)
     require_free_ends(scene)
     in_order = clear_candidates(scene)
@@ -78,8 +78,8 @@ def fastest_clear_path(scene: Scene) -> Scene:
         if any(are_clear(scene, paths)):
             is_fastest = number == 0 and straight_is_open
             return item if is_fastest else _or_sampled(item, paths[0].speed_figure, scene)
-    found = fastest_sampled_path(scene)
-    return _least_blocked(scene) if found is None else found[1]
+    fastest = fastest_sampled_path(scene)
+    return _least_blocked(scene) if fastest is None else fastest[1]
 
 
 def clear_candidates(scene: Scene) -> list[PathCandidate]:
@@ -137,7 +137,7 @@ def _or_sampled(detour: Scene, figure: float, scene: Scene) -> Scene:
 
 
 def _least_blocked(scene: Scene) -> Scene:
-    """The scene with the way that has most room, as far as the motion may leave it; raises where it may not."""
+    """The scene with the way that has most slack, as far as the motion may leave it; raises where it may not."""
     try:
         candidates = feasible_paths(scene)
     except NoSolutionError as error:
@@ -166,7 +166,7 @@ def fastest_sampled_path(scene: Scene) -> tuple[float, Scene] | None:
     kinds = (False, True) if seven or axis is not None else (False,)
     for farther, spare in product(kinds, _SPARES):
         arm, over = LevelArm(scene, spare=spare, by_joints=seven and farther), axis if farther else None
-        short = [way for seed in SEEDS if (way := _shortened_sample(arm, over, seed)) is not None]
+        short = [way for seed in SEEDS if (way := _short_sample(arm, over, seed)) is not None]
         short.sort(key=lambda way: time_along(arm, way.q))
         smooth = [*islice(filter(None, (_smooth(scene, arm, over, way) for way in short)), _SMOOTHED)]
         if smooth:
@@ -175,7 +175,7 @@ def fastest_sampled_path(scene: Scene) -> tuple[float, Scene] | None:
     return None
 
 
-def _shortened_sample(arm: LevelArm, over: np.ndarray | None, seed: int) -> SampledPath | None:
+def _short_sample(arm: LevelArm, over: np.ndarray | None, seed: int) -> SampledPath | None:
     """The way that one seed finds, made shorter; None where it finds none.
 
     Where it passes over the axis of the base it is kept as it is.
@@ -190,7 +190,7 @@ def _shortened_sample(arm: LevelArm, over: np.ndarray | None, seed: int) -> Samp
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _SmoothPath:
-    """A smooth clear curve beside a sampled way.
+    """A smooth clear curve near a sampled way.
 
     Attributes:
         speed_figure: of the fastest joint path along it, s.
@@ -210,7 +210,7 @@ class _SmoothPath:
 
 
 def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledPath) -> _SmoothPath | None:
-    """The smoothest clear curve beside a way; None where none is clear.
+    """The smoothest clear curve near a way; None where none is clear.
 
     Where the way passes over the axis of the base, so does the curve.
     """
@@ -219,9 +219,9 @@ def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledPa
     points = np.column_stack([way.poses * METRIC, LEVER * way.q @ direction])
     along_it = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     dense = np.linspace(0.0, along_it[-1], _DENSE)
-    points, q = (np.column_stack([np.interp(dense, along_it, own) for own in of.T]) for of in (points, way.q))
+    points, q = (np.column_stack([np.interp(dense, along_it, column) for column in of.T]) for of in (points, way.q))
     widest = min((_OF_RADIUS * item.radius for item in scene.motion.via), default=_SMOOTHINGS[0])
-    for smoothing in dict.fromkeys(min(own, widest) for own in _SMOOTHINGS):
+    for smoothing in dict.fromkeys(min(column, widest) for column in _SMOOTHINGS):
         curve = smooth_curve(points, smoothing)
         if curve is None:
             continue
@@ -235,17 +235,17 @@ def _smooth(scene: Scene, arm: LevelArm, axis: np.ndarray | None, way: SampledPa
         poses[[0, -1], :3] = arm.ends[:, :3]
         joints = None
         if arm.redundant is not None:
-            near = np.column_stack([np.interp(at, curve.s, own) for own in q.T])
+            near = np.column_stack([np.interp(at, curve.s, column) for column in q.T])
             joints = arm.joints_at(poses, near, Held(direction, values[:, 4] / LEVER))
             if joints is None:
                 continue
         try:
-            found = with_path(scene, poses[:, :3], poses[:, 3], joints)
+            smooth_scene = with_path(scene, poses[:, :3], poses[:, 3], joints)
         except ScenarioError:  # between its points it passes a place too far away
             continue
-        if not tray_is_clear(scene, found.path):
+        if not tray_is_clear(scene, smooth_scene.path):
             continue
-        paths = tried_along(found).paths
+        paths = tried_along(smooth_scene).paths
         path = next((path for path, clear in zip(paths, are_clear(scene, paths), strict=True) if clear), None)
         if path is not None:
             return _SmoothPath(float(f"{path.speed_figure:.6g}"), poses[:, :3], poses[:, 3], joints)

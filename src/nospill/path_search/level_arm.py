@@ -41,12 +41,12 @@ _LEVEL = 1e-6
 _ENOUGH = 1e-8
 """m and rad; distance from it below which no further step is made."""
 _HELD = 481
-"""Positions of the redundant joint over its range at which configurations are looked for, beside stated ones: in narrow
-places it has a range of a degree."""
+"""Positions of the redundant joint over its range at which configurations are looked for, besides stated ones: in
+narrow places it has a range of a degree."""
 _SPARSE = 12
 """Every so many of them are looked at first."""
 _NEAR_ENDS = 0.15
-"""m; from an end up to which the spare room grows to what it is elsewhere."""
+"""m; from an end up to which the further slack grows to what it is elsewhere."""
 _AT_ONCE = 12
 """Looks that are taken together."""
 METRIC = np.array([1.0, 1.0, 1.0, LEVER])
@@ -61,7 +61,7 @@ class LevelArm:
 
         Args:
             scene: with obstacles, or without.
-            spare: room that is kept from obstacles beside what must be kept, m; less and less near the ends and near
+            spare: slack that is kept from obstacles beyond the clearance, m; less and less near the ends and near
                 places on the way.
             by_joints: whether straight is what is straight for the joints, and not for the tray; seven joints only.
         """
@@ -97,12 +97,12 @@ class LevelArm:
         if self.redundant is not None:
             # the nearest positions at which there is a closed form: making one takes as long as ten solutions
             given = self.redundant, self.held[np.argmin(np.abs(self.held - held[:, None]), axis=1)]
-        tool, turns = self.scene.tray.tool, _turned(poses[:, 3])
-        found = approximate_solutions(self.robot, poses[:, :3], turns, tool=tool, held=given)
-        q = np.concatenate(found)
+        tool, turns = self.scene.tray.tool, _level_rotations(poses[:, 3])
+        solutions = approximate_solutions(self.robot, poses[:, :3], turns, tool=tool, held=given)
+        q = np.concatenate(solutions)
         q = self.robot.lower + np.mod(q - self.robot.lower, TURN)
         inside = np.all(self._turning | (q <= self.robot.upper), axis=1)
-        ends = np.cumsum([len(some) for some in found])[:-1]
+        ends = np.cumsum([len(some) for some in solutions])[:-1]
         return [some[kept] for some, kept in zip(np.split(q, ends), np.split(inside, ends), strict=True)]
 
     def clear(self, poses: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -168,21 +168,21 @@ class LevelArm:
         turn = 0.0 if self.redundant is None else float(np.abs(self.apart(joints, q)).max())
         steps = max(1, int(np.ceil(max(np.linalg.norm((goal - pose) * METRIC) / STEP, turn / _TURN))))
         poses = pose + np.linspace(0.0, 1.0, steps + 1)[1:, None] * (goal - pose)
-        found = np.zeros((0, len(self.robot.joints)))
+        reached = np.zeros((0, len(self.robot.joints)))
         lost = False
-        while len(found) < steps and not lost:
-            ahead = poses[len(found) : len(found) + _AT_ONCE]
+        while len(reached) < steps and not lost:
+            ahead = poses[len(reached) : len(reached) + _AT_ONCE]
             if self.redundant is None:
                 chunk = self._on_branch(ahead, q)
             else:
-                share = np.arange(1, len(ahead) + 1)[:, None] / (steps - len(found))
-                chunk = self._beside(ahead, q, q + share * self.apart(joints, q))
+                share = np.arange(1, len(ahead) + 1)[:, None] / (steps - len(reached))
+                chunk = self._solve_poses(ahead, q, q + share * self.apart(joints, q))
             clear = self.clear(ahead[: len(chunk)], chunk)
             count = len(clear) if clear.all() else int(np.argmin(clear))
-            found = np.concatenate([found, chunk[:count]])
+            reached = np.concatenate([reached, chunk[:count]])
             lost = count < len(ahead)
-            q = found[-1] if len(found) else q
-        return poses[: len(found)], found, not lost
+            q = reached[-1] if len(reached) else q
+        return poses[: len(reached)], reached, not lost
 
     def _on_branch(self, poses: np.ndarray, q: np.ndarray) -> np.ndarray:
         """The configurations (k, n) of six joints at the first k of poses (m, 4), on the branch of the one before."""
@@ -194,29 +194,29 @@ class LevelArm:
             found.append(near)
         return np.array(found).reshape(-1, len(q))
 
-    def _beside(self, poses: np.ndarray, q: np.ndarray, near: np.ndarray) -> np.ndarray:
+    def _solve_poses(self, poses: np.ndarray, q: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The configurations (k, n) at the first k of poses (m, 4) that are nearest to given ones (m, n).
 
         They come after q (n,), each near the one before and within the limits.
         """
         tool = self.scene.tray.tool
-        found, error = newton(
+        solved, error = newton(
             kinematics(self.robot),
             poses[:, :3],
-            _turned(poses[:, 3]),
+            _level_rotations(poses[:, 3]),
             near,
             tool=tool,
             max_iterations=_CORRECTIONS,
             enough=_ENOUGH,
         )
-        steps = np.abs(np.diff(found, axis=0, prepend=q[None])).max(axis=1)
-        inside = np.all(self._turning | ((found >= self.robot.lower) & (found <= self.robot.upper)), axis=1)
+        steps = np.abs(np.diff(solved, axis=0, prepend=q[None])).max(axis=1)
+        inside = np.all(self._turning | ((solved >= self.robot.lower) & (solved <= self.robot.upper)), axis=1)
         good = inside & (error < _LEVEL) & (steps < _JUMP)
-        return found if good.all() else found[: int(np.argmin(good))]
+        return solved if good.all() else solved[: int(np.argmin(good))]
 
     def _levelled(self, pose: np.ndarray, q: np.ndarray, goal: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
         """Along a straight line of the joints, brought back to a level tray look by look."""
-        poses, found, there = [pose[None]], [q[None]], False
+        poses, configurations, there = [pose[None]], [q[None]], False
         while not there:
             gap = self.apart(goal, q)
             left = float(np.abs(gap).max())
@@ -236,12 +236,12 @@ class LevelArm:
             clear = self.clear(at[:count], looks[:count])
             count = count if clear.all() else int(np.argmin(clear))
             poses.append(at[:count])
-            found.append(looks[:count])
+            configurations.append(looks[:count])
             if count < ahead:
                 there = False
                 break
             pose, q = at[-1], looks[-1]
-        return np.concatenate(poses)[1:], np.concatenate(found)[1:], there
+        return np.concatenate(poses)[1:], np.concatenate(configurations)[1:], there
 
     def _level(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The nearest configurations with a level tray (m, n), and whether each is one within the limits (m,)."""
@@ -268,7 +268,12 @@ class LevelArm:
             None where one is not found, or lies far from the one that is given; in stated joints where those are.
         """
         q, error = newton(
-            kinematics(self.robot), poses[:, :3], _turned(poses[:, 3]), near, tool=self.scene.tray.tool, held=held
+            kinematics(self.robot),
+            poses[:, :3],
+            _level_rotations(poses[:, 3]),
+            near,
+            tool=self.scene.tray.tool,
+            held=held,
         )
         if error.max() > RESIDUAL or np.abs(q - near).max() > _JUMP:
             return None
@@ -286,7 +291,7 @@ class LevelArm:
         return choices[best] if steps[best] < _JUMP else None
 
 
-def _turned(yaw: np.ndarray) -> np.ndarray:
+def _level_rotations(yaw: np.ndarray) -> np.ndarray:
     """Rotations (m, 3, 3) of a level tray."""
     turns = np.tile(np.eye(3), (len(yaw), 1, 1))
     turns[:, 0, 0] = turns[:, 1, 1] = np.cos(yaw)

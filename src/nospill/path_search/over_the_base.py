@@ -1,7 +1,7 @@
 """Ways on which the level tray passes straight over the base: the arm reaches over itself, from its front to behind it.
 
 With the tray's centre on the vertical axis of joint 1 the first joint and the last one can turn against each other with
-the tray at rest: a singularity, beside which joint 1 has to turn by half a turn in no time. A way that leads exactly
+the tray at rest: a singularity, near which joint 1 has to turn by half a turn in no time. A way that leads exactly
 through the axis keeps joint 1 at its angle, and no joint is fast there. Where the arm reaches its start from the front
 only and its goal from behind only, there is no other way.
 """
@@ -22,7 +22,7 @@ _HIGHER = (-0.4, 0.9)
 _TURNED = 1.5
 """rad; how far it may turn the tray."""
 _STILL = 0.5
-"""rad; joint 1 turns by less from look to look where the tray passes over the base, and by half a turn beside it."""
+"""rad; joint 1 turns by less from look to look where the tray passes over the base, and by half a turn next to it."""
 _BUMP = 0.2
 """Of the path parameter, on either side of the axis: where a smooth curve is moved so that it leads through it."""
 _UPRIGHT = 1e-9
@@ -31,8 +31,8 @@ _UPRIGHT = 1e-9
 def base_axis(scene: Scene) -> np.ndarray | None:
     """Where the vertical axis (2,), m, of joint 1 is that the tray's centre may pass; None where it is not so."""
     foot, rotation = base_pose(scene.robot.urdf)
-    beside = np.hypot(*scene.tray.tool.position[:2])
-    return foot[:2] if len(scene.robot.joints) == 6 and max(1.0 - rotation[2, 2], beside) < _UPRIGHT else None
+    offset = np.hypot(*scene.tray.tool.position[:2])
+    return foot[:2] if len(scene.robot.joints) == 6 and max(1.0 - rotation[2, 2], offset) < _UPRIGHT else None
 
 
 def pose_beyond(pose: np.ndarray, axis: np.ndarray, random: np.random.Generator) -> np.ndarray | None:

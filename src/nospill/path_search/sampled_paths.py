@@ -102,10 +102,12 @@ class _Draws:
         pose = self._random.uniform(low, high)
         # few positions of a redundant joint let an arm hold a level tray at a given pose
         tries = self._random.choice(self._arm.held, min(_TRIES, len(self._arm.held)))
-        found = next((some for some in self._arm.solutions(np.tile(pose, (len(tries), 1)), tries) if len(some)), None)
-        if found is None:
+        solutions = next(
+            (some for some in self._arm.solutions(np.tile(pose, (len(tries), 1)), tries) if len(some)), None
+        )
+        if solutions is None:
             return None
-        q = found[int(self._random.integers(len(found)))]
+        q = solutions[int(self._random.integers(len(solutions)))]
         return (pose, q) if self._arm.clear(pose[None], q[None])[0] else None
 
 
@@ -122,21 +124,21 @@ def sample_path(arm: LevelArm, *, seed: int, samples: int, over: np.ndarray | No
         From the start to the first place on the way, from there to the next and so on, each from the configuration in
         which the one before ends.
     """
-    random, found = np.random.default_rng(seed), list[SampledPath]()
+    random, legs = np.random.default_rng(seed), list[SampledPath]()
     start, goal = arm.ends
     first, last = arm.scene.path.ends
-    here = _rooted(arm, start[None], first)
+    here = _root_tree(arm, start[None], first)
     turned = np.array([0.0, TURN, -TURN])[:, None] * [0, 0, 0, 1]
     for number, place in enumerate(arm.scene.motion.via, start=1):
         yaw = start[3] + (goal[3] - start[3]) * number / (len(arm.scene.motion.via) + 1)
         poses = np.array([[*place.position, yaw + turn] for turn in np.linspace(0.0, TURN, _YAWS, endpoint=False)])
-        leg = _connect(arm, random, here, _rooted(arm, poses), samples, over)
+        leg = _connect(arm, random, here, _root_tree(arm, poses), samples, over)
         if leg is None:
             return None
-        found.append(leg)
+        legs.append(leg)
         here = _Tree(leg.poses[-1:], leg.q[-1:])
-    leg = _connect(arm, random, here, _rooted(arm, goal + turned, last), samples, over)
-    return None if leg is None else [*found, leg]
+    leg = _connect(arm, random, here, _root_tree(arm, goal + turned, last), samples, over)
+    return None if leg is None else [*legs, leg]
 
 
 def _connect(
@@ -150,28 +152,28 @@ def _connect(
     for number in range(samples):
         here, there = roots if number % 2 == 0 else roots[::-1]
         if over is not None and random.random() < _OVER:
-            tip = _grown_over(arm, here, over, random)
+            tip = _grow_over(arm, here, over, random)
         else:
             if random.random() < _TO_ROOTS:
                 root = int(random.integers(there.roots))
                 target = there.poses[root], there.q[root]
             else:
                 target = draw()
-            tip = None if target is None else _grown(arm, here, *target)
+            tip = None if target is None else _grow(arm, here, *target)
         if tip is None:
             continue
-        other = _grown(arm, there, here.poses[tip], here.q[tip])
+        other = _grow(arm, there, here.poses[tip], here.q[tip])
         if other is not None and np.abs(arm.apart(there.q[other], here.q[tip])).max() < _SAME:
             ways = [tree.back(node) for tree, node in ((here, tip), (there, other))]
             nodes = [(here, node) for node in ways[0][::-1]] + [(there, node) for node in ways[1][1:]]
             nodes = nodes if here is roots[0] else nodes[::-1]
-            found = _looked_at(arm, [(tree.poses[node], tree.q[node]) for tree, node in nodes])
-            if found is not None:
-                return found
+            connection = _check_looks(arm, [(tree.poses[node], tree.q[node]) for tree, node in nodes])
+            if connection is not None:
+                return connection
     return None
 
 
-def _looked_at(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> SampledPath | None:
+def _check_looks(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> SampledPath | None:
     """The way through some nodes with every look between them; None where it is another one in this direction."""
     poses, q = [nodes[0][0][None]], [nodes[0][1][None]]
     for pose, joints in nodes[1:]:
@@ -183,38 +185,38 @@ def _looked_at(arm: LevelArm, nodes: list[tuple[np.ndarray, np.ndarray]]) -> Sam
     return SampledPath(np.concatenate(poses), np.concatenate(q))
 
 
-def _rooted(arm: LevelArm, poses: np.ndarray, stated: np.ndarray | None = None) -> _Tree:
+def _root_tree(arm: LevelArm, poses: np.ndarray, stated: np.ndarray | None = None) -> _Tree:
     """A tree of all clear configurations at some poses (k, 4), or of the stated one (n,) there."""
     held = arm.held if stated is None else np.array([arm.held_of(stated)])
     each = np.repeat(poses, len(held), axis=0)
     choices = arm.solutions(each, np.tile(held, len(poses)))
-    found = [(pose, q) for pose, some in zip(each, choices, strict=True) for q in some]
+    roots = [(pose, q) for pose, some in zip(each, choices, strict=True) for q in some]
     if stated is not None:
-        found = [(pose, q) for pose, q in found if np.abs(arm.apart(q, stated)).max() < _NEAR_STATED]
-    if not found:
+        roots = [(pose, q) for pose, q in roots if np.abs(arm.apart(q, stated)).max() < _NEAR_STATED]
+    if not roots:
         return _Tree(np.zeros((0, 4)), np.zeros((0, len(arm.robot.joints))))
-    clear = arm.clear(np.array([pose for pose, _ in found]), np.array([q for _, q in found]))
-    kept = [item for item, free in zip(found, clear, strict=True) if free]
+    clear = arm.clear(np.array([pose for pose, _ in roots]), np.array([q for _, q in roots]))
+    kept = [item for item, free in zip(roots, clear, strict=True) if free]
     return _Tree(np.array([pose for pose, _ in kept]), np.array([q for _, q in kept]))
 
 
-def _grown(arm: LevelArm, tree: _Tree, pose: np.ndarray, q: np.ndarray) -> int | None:
+def _grow(arm: LevelArm, tree: _Tree, pose: np.ndarray, q: np.ndarray) -> int | None:
     """Grow a tree from its nearest node towards a configuration; return the last node, None where none is new."""
     gaps = arm.time(tree.q, q) + np.linalg.norm((tree.poses - pose) * METRIC, axis=1) / _SPEED
     nearest = int(np.argmin(gaps))
     if gaps[nearest] < _SAME:
         return nearest
-    return _grown_from(arm, tree, nearest, pose, q)
+    return _grow_from(arm, tree, nearest, pose, q)
 
 
-def _grown_over(arm: LevelArm, tree: _Tree, axis: np.ndarray, random: np.random.Generator) -> int | None:
+def _grow_over(arm: LevelArm, tree: _Tree, axis: np.ndarray, random: np.random.Generator) -> int | None:
     """Grow a tree from any of its nodes straight over the base."""
     node = int(random.integers(len(tree.q)))
     pose = pose_beyond(tree.poses[node], axis, random)
-    return None if pose is None else _grown_from(arm, tree, node, pose, tree.q[node])
+    return None if pose is None else _grow_from(arm, tree, node, pose, tree.q[node])
 
 
-def _grown_from(arm: LevelArm, tree: _Tree, node: int, pose: np.ndarray, q: np.ndarray) -> int | None:
+def _grow_from(arm: LevelArm, tree: _Tree, node: int, pose: np.ndarray, q: np.ndarray) -> int | None:
     poses, found, _ = arm.towards(tree.poses[node], tree.q[node], pose, q)
     if not len(found):
         return None
@@ -246,12 +248,12 @@ def shorten(arm: LevelArm, way: SampledPath, *, seed: int, tries: int) -> Sample
         # no piece takes less time than its ends are apart
         if last - first < 2 or arm.time(q[first], q[last]) >= taken:
             continue
-        straight, found, there = arm.towards(poses[first], q[first], poses[last], q[last])
-        if not there or np.abs(arm.apart(found[-1], q[last])).max() > _SAME:
+        straight, shortcut, there = arm.towards(poses[first], q[first], poses[last], q[last])
+        if not there or np.abs(arm.apart(shortcut[-1], q[last])).max() > _SAME:
             continue
-        if time_along(arm, np.vstack([q[first], found])) < taken:
+        if time_along(arm, np.vstack([q[first], shortcut])) < taken:
             poses = np.vstack([poses[: first + 1], straight, poses[last + 1 :]])
-            q = np.vstack([q[: first + 1], found, q[last + 1 :]])
+            q = np.vstack([q[: first + 1], shortcut, q[last + 1 :]])
     return SampledPath(poses, q)
 
 

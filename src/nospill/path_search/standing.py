@@ -105,13 +105,13 @@ def advice_on(subject: str, changes: tuple[Change, ...]) -> str:
 def helpful_changes(scene: Scene) -> Iterator[Change]:
     """The smallest change of each kind with which the arm stands free at both ends, and along a path that is given."""
     found = False
-    for kind in (_farther_from_flange, _turned_path):
+    for kind in (_farther_from_flange, _path_turns):
         change = _first_helpful(scene, kind(scene))
         if change is not None:
             found = True
             yield change
     if not found:
-        change = _first_helpful(scene, _moved_base(scene))
+        change = _first_helpful(scene, _base_shifts(scene))
         if change is not None:
             yield change
 
@@ -140,7 +140,7 @@ def _farther_from_flange(scene: Scene) -> Iterator[tuple[Scene, Change]]:
         yield replace(scene, tray=tray), Change.of_limit(Clearance.name, "tray", "tray.offset", position.tolist(), text)
 
 
-def _turned_path(scene: Scene) -> Iterator[tuple[Scene, Change]]:
+def _path_turns(scene: Scene) -> Iterator[tuple[Scene, Change]]:
     """The tray turned against the path; of paths whose yaw stands in one key."""
     table = scene.source["path"]
     before = table.get("yaw", [0.0, 0.0]) if isinstance(table, dict) else None
@@ -155,7 +155,7 @@ def _turned_path(scene: Scene) -> Iterator[tuple[Scene, Change]]:
         yield from _changed(scene, Change.of_limit(Clearance.name, "tray", "path.yaw", values, text))
 
 
-def _moved_base(scene: Scene) -> Iterator[tuple[Scene, Change]]:
+def _base_shifts(scene: Scene) -> Iterator[tuple[Scene, Change]]:
     base = scene.source["robot"].get("base_position", [0.0, 0.0, 0.0])
     if not all(isinstance(value, int | float) for value in base):
         return

@@ -13,14 +13,15 @@ def in_words(nearness: Nearness, where: str) -> str:
     """As 'the forearm_link enters "column" by 12 mm at s = 0.41'."""
     pair = nearness.pair
     distance = nearness.slack + pair.limit
-    first, second = _named(pair.first), _named(pair.second)
+    first, second = _name_text(pair.first), _name_text(pair.second)
     if pair.note:
         where = f"{where} ({pair.note})".lstrip()
     if pair.second.of_region:
-        return f"{first} reach {_shown(-distance)} out of {second} {where}".rstrip()
+        return f"{first} reach {_length_text(-distance)} out of {second} {where}".rstrip()
     if distance < 0.0:
-        return f"{first} enters {second} by {_shown(-distance)} {where}".rstrip()
-    return f"{first} comes within {_shown(distance)} of {second} {where}, and {_shown(pair.limit)} must be kept"
+        return f"{first} enters {second} by {_length_text(-distance)} {where}".rstrip()
+    kept = _length_text(pair.limit)
+    return f"{first} comes within {_length_text(distance)} of {second} {where}, and {kept} must be kept"
 
 
 def nearness_reason(nearness: Nearness, kind: str) -> Reason:
@@ -28,11 +29,11 @@ def nearness_reason(nearness: Nearness, kind: str) -> Reason:
     return Reason(kind, Clearance.name, nearness.pair.subject, at_s=nearness.s, excess=-nearness.slack, unit="m")
 
 
-def _named(body: Body) -> str:
+def _name_text(body: Body) -> str:
     """An obstacle or object by its own name, in quotes; a part of the arm, or the tray, without."""
     own = body.obstacle is not None or (body.on_path and body.name not in (TRAY, LOAD))
     return as_written(body.name) if own else f"the {body.name}"
 
 
-def _shown(length: float) -> str:
+def _length_text(length: float) -> str:
     return format_quantity(length, "length", digits=3)

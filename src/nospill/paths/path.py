@@ -33,7 +33,7 @@ class Path:
             All are at least twice continuously differentiable inside (C2), so that jerk-limited s gives continuous
             acceleration; presets, lines, arcs, waypoints and yaw splines are C3 or better.
         notes: what was assumed or left out when it was made from recorded points, one sentence each, for people.
-        joints: joint positions (n,) along it, rad, beside which an arm of seven follows it; None where none are known.
+        joints: joint positions (n,) along it, rad, near which an arm of seven follows it; None where none are known.
         ends: joint positions (n,) in which the arm starts and arrives, rad; None where it may choose.
     """
 

@@ -100,7 +100,7 @@ class _Fit:
         s = self._start
         for _ in range(_PROJECTIONS):
             curve = self._solved(s, rough)
-            s = _projected(curve, self._points, s)
+            s = _project(curve, self._points, s)
         curve = self._solved(s, rough)
         distance = np.linalg.norm(curve(s) - self._points, axis=1)
         worst = int(np.argmax(distance))
@@ -126,7 +126,7 @@ def _chord_parameters(points: np.ndarray, stride: float) -> np.ndarray:
     return np.interp(np.arange(len(points)), chosen, along / along[-1])
 
 
-def _projected(curve: Pieces, points: np.ndarray, s: np.ndarray) -> np.ndarray:
+def _project(curve: Pieces, points: np.ndarray, s: np.ndarray) -> np.ndarray:
     """Parameters (n,) of the nearest places of the curve: one Gauss-Newton step, ends and order kept."""
     tangent = curve(s, 1)
     along, speed = np.sum((curve(s) - points) * tangent, axis=1), np.sum(tangent**2, axis=1)

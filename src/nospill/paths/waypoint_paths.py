@@ -22,7 +22,7 @@ SMOOTHING = 2e-5
 _LEVER = 0.2
 """m; a yaw of 1 rad counts as this distance from a recorded pose: what it moves the edge of a tray by."""
 _ROUGH = 30.0
-"""Largest third derivative of the interpolating curve over that of the smooth one beside it, for it to be refused."""
+"""Largest third derivative of the interpolating curve over that of the smooth one near it, for it to be refused."""
 _FEWEST_RECORDED = 30
 _MEANT = 0.01
 """Fewer points than these, or points farther from a smooth curve than this part of the path's extent, are not recorded
@@ -68,7 +68,7 @@ def path_through_waypoints(
         spans = len(smooth.pieces.breaks) - 1
         notes.append(
             f"a smooth curve of {spans} spans joins the {len(places)} waypoints, at most "
-            f"{1e3 * smooth.deviation:.3g} mm beside them (waypoint {smooth.at + 1})"
+            f"{1e3 * smooth.deviation:.3g} mm off them (waypoint {smooth.at + 1})"
         )
         curve = smooth.pieces
     else:

@@ -125,10 +125,10 @@ class ActiveSet:
         known = by_name(self.scene)
         return frozenset(row for row in self.possible if known[row.constraint].evaluated_at is EvaluationPoint.END)
 
-    def near(self, slack: Mapping[RowId, float], room: float = _NEAR) -> frozenset[RowId]:
+    def near(self, slack: Mapping[RowId, float], within: float = _NEAR) -> frozenset[RowId]:
         """Rows that come near their limits, by what part of each is left; of the arm with itself those it breaks."""
         of_arm = self.task.of_arm
-        near = (row for row, value in slack.items() if value <= (min(room, 0.0) if row in of_arm else room))
+        near = (row for row, value in slack.items() if value <= (min(within, 0.0) if row in of_arm else within))
         return frozenset(near) & self.possible
 
     @property
@@ -196,7 +196,7 @@ class ActiveSet:
         grown = replace(grown, rows=grown.rows | (self.rows & self.task.of_arm))
         fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
         residual = {RowId(ResidualHeight.name, label): _OF_SUM for label in fresh}
-        spent = dict.fromkeys(self._members.spent_at_end(self.backoff), _OF_SUM)
+        spent = dict.fromkeys(self._members.saturated_at_end(self.backoff), _OF_SUM)
         grown = grown.with_backoff({**self.backoff, **spent}).with_backoff(residual)
         grown = replace(grown, expected=self.expected, jerk_weight_factor=self.jerk_weight_factor)
         return grown.without_far(grown._on_members(judgement.variant_rows, own=True))

@@ -99,9 +99,9 @@ def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = Non
 
 def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:
     """What part of its budget every row leaves on a motion, whether it takes part or not."""
-    room = active.task.clearance_slack(node_positions(active.scene, motion))
-    of_table = row_slack(problem_about(active.with_rows(active.possible - room.keys()), motion), motion)
-    return of_table | {row: own - active.backoff[row] for row, own in room.items()}
+    of_clearance = active.task.clearance_slack(node_positions(active.scene, motion))
+    of_table = row_slack(problem_about(active.with_rows(active.possible - of_clearance.keys()), motion), motion)
+    return of_table | {row: slack - active.backoff[row] for row, slack in of_clearance.items()}
 
 
 def with_near_rows(active: ActiveSet, start: Stages) -> ActiveSet:
@@ -141,16 +141,16 @@ def solved(
         )
         solution = solve(problem, start, options=replace(usual, **options), warm=warm and warm.solution)
     log.solutions.append(replace(solution, pivot_order=None))  # as large as the factor
-    expected, found = active.expected or start.duration, solution.stages.duration
-    if usable(solution) and jerk_cost_dominates(active.scene, expected, found):
+    expected, duration = active.expected or start.duration, solution.stages.duration
+    if usable(solution) and jerk_cost_dominates(active.scene, expected, duration):
         options = {**options, **near_optimum(BARRIERS[1])}
-        again = solved(replace(active, expected=found), solution.stages, log, options, tightens=tightens)
+        again = solved(replace(active, expected=duration), solution.stages, log, options, tightens=tightens)
         if usable(again.solution):
             return again
     return Candidate(active, solution, problem)
 
 
-def solved_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:
+def solve_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:
     """Solve; what the answer breaks joins, and it is solved again from there, until it breaks no row."""
     while True:
         candidate = solved(active, start, log, options)

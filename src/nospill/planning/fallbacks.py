@@ -13,7 +13,7 @@ _COARSER = 0.75
 def on_path_instead(why: str) -> str:
     """That the tray keeps to its path though it may leave it; `why` the first other motion was not certified."""
     reason = why.removesuffix(".")
-    return f"no faster motion beside the path was certified: {reason}; the motion on the path itself was taken"
+    return f"no faster motion off the path was certified: {reason}; the motion on the path itself was taken"
 
 
 def fallbacks(taken: Candidate, log: Log, *sentences: str) -> tuple[str, ...]:
@@ -25,22 +25,22 @@ def fallbacks(taken: Candidate, log: Log, *sentences: str) -> tuple[str, ...]:
         sentences: known already; empty ones are left out.
     """
     scene, stages, planning = taken.active.task.scene, taken.stages, taken.active.task.scene.planning
-    found = [sentence for sentence in sentences if sentence]
+    texts = [sentence for sentence in sentences if sentence]
     wanted = fine_intervals(taken.active.scene, stages.duration)
     if stages.intervals < _COARSER * wanted:
-        found.append(
+        texts.append(
             f"no solve on {wanted} intervals converged: the motion on {stages.intervals} was taken, which may be slower"
         )
     if taken.active.task.passage.level and scene.motion.without_freedom() != scene.motion:
-        found.append("no motion past the singularity was found but with a level tray on its path: that one was taken")
+        texts.append("no motion past the singularity was found but with a level tray on its path: that one was taken")
     if not taken.has_converged:
-        found.append(
+        texts.append(
             f"the last solve ended before it converged ({taken.solution.status}): its motion was taken, and a faster "
             "one may exist"
         )
     if log.out_of_time:
-        found.append(
+        texts.append(
             f"planning ended at planning.max_plan_time = {planning.max_plan_time:g} s: the best motion until then was "
             "taken; allow more"
         )
-    return tuple(found)
+    return tuple(texts)

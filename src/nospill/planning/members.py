@@ -77,7 +77,7 @@ class Members:
         planned = [row for row in of_objects if not self._is_slowed(row) and _variant(row) not in self.names]
         contacts = [row for row in slowed if not row.of_liquid]
         liquids = [row for row in slowed if row.of_liquid]
-        in_vain = self._beside_spent(liquids, backoff)
+        in_vain = self._next_to_saturated(liquids, backoff)
         alone = set(outer).difference(name for name, _ in self.names)
         with_liquid = self._with_liquid
         solids = {row for row in contacts if row.subject not in with_liquid}  # they bring no states
@@ -124,8 +124,8 @@ class Members:
                 for member in next_to or same or self.names:
                     yield replace(row, subject=self.names[member], variant="")
 
-    def spent_at_end(self, backoff: Mapping[RowId, float]) -> dict[RowId, VariantId]:
-        """Rows on the final state whose back-off is so large that more would not do at the speeds beside, and of whom.
+    def saturated_at_end(self, backoff: Mapping[RowId, float]) -> dict[RowId, VariantId]:
+        """Rows on the final state whose back-off is so large that more would not do at adjacent speeds, and of whom.
 
         Of slowed members alone.
 
@@ -148,9 +148,9 @@ class Members:
         """The slowed members at the speeds next to that of a row."""
         return adjacent_members(self.speeds[_variant(row)], self.names, self.speeds)
 
-    def _beside_spent(self, liquids: Iterable[Row], backoff: Mapping[RowId, float]) -> set[Row]:
+    def _next_to_saturated(self, liquids: Iterable[Row], backoff: Mapping[RowId, float]) -> set[Row]:
         """Rows on the final state of slowed liquids next to a member whose back-off is spent."""
-        spent = set(self.spent_at_end(backoff).values())
+        spent = set(self.saturated_at_end(backoff).values())
         at_end = (row for row in liquids if spent and row.at_end)
         return {row for row in at_end if not spent.isdisjoint(self._next_to(row))}
 
@@ -171,7 +171,7 @@ class Members:
 
         Args:
             liquids: their rows.
-            in_vain: those beside which back-off has been in vain.
+            in_vain: those next to which back-off has been in vain.
             clearly: the use that is far over a limit.
             t: (m,) s, of the motion.
         """
@@ -203,15 +203,15 @@ def tightened(
         backoff: of every row that may.
         slack: part of its budget that each left unused.
     """
-    joining, found = set[RowId](), dict(backoff)
+    joining, raised = set[RowId](), dict(backoff)
     for row in condensed(rows):
         key = row.id
         if key in active:
             excess = row.shortfall / row.size
-            found[key] = tightened_backoff(found[key], excess, slack.get(key, 0.0), at_end=row.at_end)
-        elif key in found:
+            raised[key] = tightened_backoff(raised[key], excess, slack.get(key, 0.0), at_end=row.at_end)
+        elif key in raised:
             joining.add(key)
-    return found, frozenset(joining)
+    return raised, frozenset(joining)
 
 
 def uses_of(rows: Iterable[Row]) -> dict[RowId, float]:

@@ -24,11 +24,11 @@ from nospill.planning.candidate import Candidate
 from nospill.planning.fallbacks import fallbacks, on_path_instead
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
-from nospill.planning.refinement import Judged, certified_by_refinement
+from nospill.planning.refinement import Judged, certify_by_refinement
 from nospill.planning.request import earlier_plan, ignored_constraints, requested_scene
-from nospill.planning.search import PassageSearch, Search, found_motion, passage_searches, searcher
+from nospill.planning.search import PassageSearch, Search, find_motion, passage_searches, searcher
 from nospill.planning.task import Task
-from nospill.planning.warm_start import restarted, restarted_on, started_beside
+from nospill.planning.warm_start import restart, restart_on_branch, start_off_path
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
 from nospill.robots.joint_paths.search import JointPath, branch_in_words, preferred_path
@@ -49,7 +49,7 @@ def plan(
 
     Args:
         scene: the task, or what `load` takes.
-        constraints: limits of your own classes, beside those of the scenario; the plan's scene has them from then on.
+        constraints: limits of your own classes, added to those of the scenario; the plan's scene has them from then on.
         warm: an earlier plan of a similar scene (same robot, tilt and liquids), from which to start instead of
             searching; where that leads nowhere, the search is made all the same.
         ignore: names of constraints that the optimiser leaves out, to see what they cost. The certificate leaves out
@@ -68,11 +68,11 @@ def plan(
     """
     scene, warm = requested_scene(scene, constraints), earlier_plan(warm)
     ignored = ignored_constraints(ignore, scene)
-    return _planned(scene, warm=warm, last=None, ignore=ignored, progress=progress)[0]
+    return _plan(scene, warm=warm, last=None, ignore=ignored, progress=progress)[0]
 
 
 @compiles_afterwards
-def _planned(
+def _plan(
     scene: Scene, *, warm: Plan | None, last: Candidate | None, ignore: Collection[str], progress: OnProgress | None
 ) -> tuple[Plan, Candidate]:
     """`plan`, with the candidate that the next one may start from."""
@@ -99,13 +99,13 @@ def _planned(
         base_yaw=base_yaw_text(scene) if base_is_free else None,
         fallbacks=fallbacks(judged.candidate, log, instead),
     )
-    found = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)
-    answer, limits = judged.candidate, longest_held(found.maxima.time_at_limit)
+    planned = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)
+    answer, limits = judged.candidate, longest_held(planned.maxima.time_at_limit)
     saved = savings(answer.problem, answer.solution, limits) if answer.has_converged else {}
     with log.phase("approach") if scene.approach is not None else nullcontext():
-        found = with_approach(found)
+        planned = with_approach(planned)
     report = replace(report, savings=saved, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))
-    return replace(found, report=report), judged.candidate
+    return replace(planned, report=report), judged.candidate
 
 
 def _offers(
@@ -118,27 +118,27 @@ def _offers(
     """
     scene = task.scene
     alike = warm is not None and starts_alike(warm.scene, scene)  # else its branch may be another
-    if warm is not None and alike and (found := restarted(task, warm, last, log)) is not None:
-        yield found
+    if warm is not None and alike and (candidate := restart(task, warm, last, log)) is not None:
+        yield candidate
         if log.out_of_time:
             return
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, task.ignored), log)):
         paths = advised_free_paths(scene, paths_along(scene))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
-    if warm is not None and not alike and (found := restarted_on(task, warm, joint_path, log)) is not None:
-        yield found
+    if warm is not None and not alike and (candidate := restart_on_branch(task, warm, joint_path, log)) is not None:
+        yield candidate
         if log.out_of_time:
             return
     searches = passage_searches(task, joint_path)
     if scene.motion.leaves_path:
-        yield from _beside_path(task, joint_path, searches, log)
+        yield from _off_path(task, joint_path, searches, log)
         return
-    yield found_motion(searches, log)
+    yield find_motion(searches, log)
     if not log.out_of_time:
-        yield found_motion(searches, log, PassageSearch.further)
+        yield find_motion(searches, log, PassageSearch.further)
 
 
-def _beside_path(
+def _off_path(
     task: Task, joint_path: JointPath, searches: Sequence[PassageSearch], log: Log
 ) -> Iterator[Candidate | Judged | NoSolutionError]:
     """`_offers` where the tray may leave its path: the motion on the path is a start, and taken where all else fails.
@@ -146,20 +146,20 @@ def _beside_path(
     Raises:
         NoSolutionError: there is no motion on the path either.
     """
-    yield _found_or_why(searches, log, PassageSearch.first)
+    yield _find_or_explain(searches, log, PassageSearch.first)
     if log.out_of_time:
         return
-    given = certified_by_refinement(found_motion(passage_searches(task.on_path, joint_path), log), log)
-    if (again := started_beside(task, given, log)) is not None:
+    given = certify_by_refinement(find_motion(passage_searches(task.on_path, joint_path), log), log)
+    if (again := start_off_path(task, given, log)) is not None:
         yield again
     if not log.out_of_time:
-        yield _found_or_why(searches, log, PassageSearch.further)
+        yield _find_or_explain(searches, log, PassageSearch.further)
     yield given
 
 
-def _found_or_why(searches: Sequence[PassageSearch], log: Log, search: Search) -> Candidate | NoSolutionError:
+def _find_or_explain(searches: Sequence[PassageSearch], log: Log, search: Search) -> Candidate | NoSolutionError:
     try:
-        return found_motion(searches, log, search)
+        return find_motion(searches, log, search)
     except NoSolutionError as error:
         return error
 
@@ -177,7 +177,7 @@ def _first_certified(offers: Iterator[Candidate | Judged | NoSolutionError], log
             try:
                 if isinstance(offer, NoSolutionError):
                     raise offer
-                one = offer if isinstance(offer, Judged) else certified_by_refinement(offer, log)
+                one = offer if isinstance(offer, Judged) else certify_by_refinement(offer, log)
             except NoSolutionError as error:  # it cannot be played: the next one may be
                 failures.append(error)
                 why = why or str(error)
@@ -222,7 +222,7 @@ class Planner:
         """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
         scene = requested_scene(scene, self.constraints if constraints is None else constraints)
         similar = self.last is not None and _alike(self.last.scene, scene)
-        self.last, self._candidate = _planned(
+        self.last, self._candidate = _plan(
             scene, warm=self.last if similar else None, last=self._candidate, ignore=(), progress=progress
         )
         return self.last

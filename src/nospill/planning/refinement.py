@@ -10,7 +10,7 @@ from nospill import diagnosis
 from nospill.errors import ModelError, NoSolutionError
 from nospill.judge.certificate import Judgement, judge_motion
 from nospill.judge.tracks import judged_tracks, variant_tracks
-from nospill.laws.constraints import BESIDE_JERK_NAMES, LIQUID_NAMES
+from nospill.laws.constraints import DEVIATION_JERK_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
@@ -45,13 +45,15 @@ def to_fine_grid(coarse: Candidate, log: Log) -> Candidate:
     coarse = replace(coarse, active=replace(coarse.active, expected=coarse.stages.duration))
     active, stages = coarse.active, coarse.stages
     wanted = fine_intervals(active.scene, stages.duration)
-    jerks = {row for row in active.possible if row.constraint in BESIDE_JERK_NAMES}  # that a coarse grid does not show
+    jerks = {
+        row for row in active.possible if row.constraint in DEVIATION_JERK_NAMES
+    }  # that a coarse grid does not show
     rows = active.near(coarse.solution.slack) | jerks
-    first = _with_modes(coarse, rows, log) or _refined(coarse, wanted, rows, log)
+    first = _with_modes(coarse, rows, log) or _refine(coarse, wanted, rows, log)
     if first is not None and first.stages.duration > _ALIKE * stages.duration:
         return first  # else it left the coarse answer, whose rows say nothing of it
-    halfway = _refined(coarse, max(wanted // 2, stages.intervals), active.usual, log)
-    last = None if halfway is None else _refined(halfway, wanted, active.usual, log)
+    halfway = _refine(coarse, max(wanted // 2, stages.intervals), active.usual, log)
+    last = None if halfway is None else _refine(halfway, wanted, active.usual, log)
     return last or halfway or coarse
 
 
@@ -59,22 +61,24 @@ def _with_modes(coarse: Candidate, rows: Collection[RowId], log: Log) -> Candida
     """The coarse answer on the fine grid with the modes that it asks for; None where it asks for none, or in vain."""
     if coarse.active.task.scene.planned_modes > 1 and any(row.constraint in LIQUID_NAMES for row in rows):
         with suppress(NoSolutionError):
-            judged = _judged(coarse, log)
+            judged = _judge(coarse, log)
             after = coarse.active.after(judged.judgement)
             active = after.with_rows(after.rows.union(rows))
             if active.refined:
-                return _converged(active, started_from(active, judged.trajectory, log, coarse.stages), BARRIERS, log)
+                return _solve_near_optimum(
+                    active, start_from(active, judged.trajectory, log, coarse.stages), BARRIERS, log
+                )
     return None
 
 
-def _refined(candidate: Candidate, intervals: int, rows: Collection[RowId], log: Log) -> Candidate | None:
+def _refine(candidate: Candidate, intervals: int, rows: Collection[RowId], log: Log) -> Candidate | None:
     """The motion on another grid with some rows; None where no first barrier (on planes, the least) leads there."""
     active = candidate.active.with_rows(rows)
     start = on_grid(active.scene, candidate.stages, intervals, active.task.passage.along)
-    return _converged(active, start, BARRIERS[:1] if active.task.leads_past else BARRIERS, log)
+    return _solve_near_optimum(active, start, BARRIERS[:1] if active.task.leads_past else BARRIERS, log)
 
 
-def _converged(
+def _solve_near_optimum(
     active: ActiveSet, start: Stages, barriers: Sequence[float | None], log: Log, *, tightens: bool = False
 ) -> Candidate | None:
     """The first converged answer from a start that is nearly optimal, with one first barrier after the other."""
@@ -82,9 +86,9 @@ def _converged(
         if log.out_of_time:
             break
         options = {"max_iterations": REFINE_ITERATIONS} if barrier is None else near_optimum(barrier, REFINE_ITERATIONS)
-        found = solved(active, start, log, options, tightens=tightens)
-        if found.has_converged:
-            return found
+        candidate = solved(active, start, log, options, tightens=tightens)
+        if candidate.has_converged:
+            return candidate
     return None
 
 
@@ -97,31 +101,31 @@ class Judged:
     judgement: Judgement
 
 
-def certified_by_refinement(candidate: Candidate, log: Log) -> Judged:
-    """Judge everything, solve some, add what is violated, until the certificate holds with room for a finer grid.
+def certify_by_refinement(candidate: Candidate, log: Log) -> Judged:
+    """Judge everything, solve some, add what is violated, until the certificate holds with a margin for a finer grid.
 
     A certified motion is solved once more with less back-off where the multipliers say that it is worth that.
 
     Raises:
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
-    judged = _refined_until_certified(candidate, log)
+    judged = _refine_until_certified(candidate, log)
     last, end = judged.candidate, judged.trajectory.end_time
     if not judged.judgement.certificate.ok or not last.has_converged or log.out_of_time:
         return judged
     relaxed = last.active.relaxed(judged.judgement)
     if saving_of(last.problem, last.solution, relaxed.backoff) > _WORTH_A_SOLVE * end:
         with suppress(NoSolutionError):
-            again = _tightened(last, relaxed, log)
-            found = again and _refined_until_certified(again, log)
-            if found and found.judgement.certificate.ok and found.trajectory.end_time < end:
-                return found
+            again = _tighten(last, relaxed, log)
+            refined = again and _refine_until_certified(again, log)
+            if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
+                return refined
     return judged
 
 
-def _refined_until_certified(candidate: Candidate, log: Log) -> Judged:
-    """`certified_by_refinement` without that last solve; raises the same."""
-    judged = _judged(candidate, log)
+def _refine_until_certified(candidate: Candidate, log: Log) -> Judged:
+    """`certify_by_refinement` without that last solve; raises the same."""
+    judged = _judge(candidate, log)
     tightened = grown = 0
     while not judged.judgement.leaves_margin and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
         before, certified = judged.candidate, judged.judgement.certificate.ok
@@ -132,22 +136,22 @@ def _refined_until_certified(candidate: Candidate, log: Log) -> Judged:
         if active.scene is before.active.scene:
             tightened += active.jerk_weight_factor == before.active.jerk_weight_factor
             start = before.stages
-            better = _tightened(before, active, log)
+            better = _tighten(before, active, log)
             if better is None:
                 break
         else:
             grown, tightened = grown + 1, 0
-            start = started_from(active, judged.trajectory, log, before.stages)
-            better = solved_from(active, start, log, BARRIERS[:1])
+            start = start_from(active, judged.trajectory, log, before.stages)
+            better = solve_from(active, start, log, BARRIERS[:1])
             if better is None:  # far from any answer: from a motion slow enough to keep the rows
                 slow = slow_enough(problem_about(active, start), start, _SLOWEST)
-                better = solved_from(active, slow, log, (None, *BARRIERS[1:]))
+                better = solve_from(active, slow, log, (None, *BARRIERS[1:]))
             if better is None:
                 if active.members == before.active.members:
                     break
                 raise diagnosis.infeasible_with_more(judged.judgement.certificate.worst, judged.trajectory.end_time)
         try:
-            following = _judged(better, log, else_from=start)
+            following = _judge(better, log, else_from=start)
         except NoSolutionError:
             break  # of a motion that cannot be played nothing is known: the one before stands
         if certified and not following.judgement.certificate.ok:
@@ -156,7 +160,7 @@ def _refined_until_certified(candidate: Candidate, log: Log) -> Judged:
     return judged
 
 
-def _judged(candidate: Candidate, log: Log, else_from: Stages | None = None) -> Judged:
+def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> Judged:
     """The certificate of a candidate; one that leaves the arm's reach is solved again from a motion that does not."""
     scene, stages = candidate.active.task.scene, candidate.stages
     try:
@@ -169,11 +173,11 @@ def _judged(candidate: Candidate, log: Log, else_from: Stages | None = None) -> 
     except ModelError as error:
         again = None if else_from is None else _off_singularities(candidate.active, else_from, log)
         if again is not None:
-            return _judged(again, log)
+            return _judge(again, log)
         raise diagnosis.not_playable(scene, stages.duration, stages.intervals, error) from None
 
 
-def _tightened(before: Candidate, active: ActiveSet, log: Log) -> Candidate | None:
+def _tighten(before: Candidate, active: ActiveSet, log: Log) -> Candidate | None:
     """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails."""
     same = active.rows == before.active.rows and active.jerk_weight_factor == before.active.jerk_weight_factor
     barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)
@@ -183,7 +187,7 @@ def _tightened(before: Candidate, active: ActiveSet, log: Log) -> Candidate | No
     return again if usable(again.solution) else None
 
 
-def started_from(active: ActiveSet, trajectory: Trajectory, log: Log, last: Stages | None = None) -> Stages:
+def start_from(active: ActiveSet, trajectory: Trajectory, log: Log, last: Stages | None = None) -> Stages:
     """A motion as a start on the fine grid; the redundant joint is counted as in the last answer, as its bounds are."""
     with log.phase("corners"):
         moved = replace(trajectory, slosh=variant_tracks(trajectory, active.task.scene, active.names))
@@ -191,14 +195,14 @@ def started_from(active: ActiveSet, trajectory: Trajectory, log: Log, last: Stag
         return from_trajectory(active.scene, moved, intervals, last.self_motion if last else None)
 
 
-def solved_from(
+def solve_from(
     active: ActiveSet, start: Stages, log: Log, barriers: Sequence[float | None] = (*BARRIERS, None)
 ) -> Candidate | None:
     """A motion solved on its grid with what is active; None where no first barrier leads anywhere.
 
     Where the arm leaves its branch, it is solved again with the determinant bounded.
     """
-    found = _converged(active, start, barriers, log, tightens=True)
+    found = _solve_near_optimum(active, start, barriers, log, tightens=True)
     kept = found is None or found.keeps_branch or active.task.passage.determinant is not None
     return found if kept else _off_singularities(active, start, log)
 
@@ -207,4 +211,4 @@ def _off_singularities(active: ActiveSet, start: Stages, log: Log) -> Candidate 
     """A motion solved from a start with the determinant bounded as there; None where it is, or that leads nowhere."""
     passage = bounded_as(active.task.passage, active.scene, start)
     bounded = passage and replace(active, task=replace(active.task, passage=passage))
-    return bounded and _converged(bounded, start, (*BARRIERS, None), log, tightens=True)
+    return bounded and _solve_near_optimum(bounded, start, (*BARRIERS, None), log, tightens=True)

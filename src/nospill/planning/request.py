@@ -19,7 +19,7 @@ def requested_scene(scene: Scene | ScenarioSource, constraints: Iterable[Constra
 
     Args:
         scene: a scene, or what `load` takes: a file, a plan folder, an example's name, a dictionary.
-        constraints: limits beside those of the scenario; None for those that the scene has from an earlier call.
+        constraints: limits added to those of the scenario; None for those that the scene has from an earlier call.
 
     Raises:
         ScenarioError: it is none of these, cannot be read, or is a copy made with `dataclasses.replace`; a constraint

@@ -11,7 +11,7 @@ from nospill.diagnosis import Answer, Searcher, Trial
 from nospill.errors import NoSolutionError
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.attempts import Attempt, attempts, first_attempts
-from nospill.planning.candidate import Candidate, solved_lazily, with_near_rows
+from nospill.planning.candidate import Candidate, solve_lazily, with_near_rows
 from nospill.planning.log import Log
 from nospill.planning.refinement import to_fine_grid
 from nospill.planning.task import Task
@@ -58,7 +58,7 @@ class PassageSearch:
             return best
         if task.passage.brief:
             raise NoSolutionError("No motion found at once.")
-        return _overlooked(task, joint_path, last, log)
+        return _overlooked_motion(task, joint_path, last, log)
 
     def further(self, log: Log) -> Candidate:
         """The best answer on the coarse grid of the attempts that are left.
@@ -97,7 +97,7 @@ def best_of(
         motion = coarse_start(active.scene, joint_path, attempt.start)
         rows = active.possible if attempt.all_rows else active.rows
         active = with_near_rows(active.with_rows(rows), motion)
-        last = solved_lazily(active, motion, log, attempt.options)
+        last = solve_lazily(active, motion, log, attempt.options)
         active = last.active
         log.starts.append(last.stages.duration if usable(last.solution) else None)
         if usable(last.solution):
@@ -110,7 +110,7 @@ def best_of(
     return best, last
 
 
-def found_motion(searches: Sequence[PassageSearch], log: Log, search: Search = PassageSearch.first) -> Candidate:
+def find_motion(searches: Sequence[PassageSearch], log: Log, search: Search = PassageSearch.first) -> Candidate:
     """The best motion on the fine grid, on a way past the singularities on which the arm keeps its branch.
 
     Args:
@@ -122,10 +122,10 @@ def found_motion(searches: Sequence[PassageSearch], log: Log, search: Search = P
         NoSolutionError: there is none; names the constraint in the way.
     """
     *first, last = searches
-    for own in first:
-        passage = own.task.passage
+    for attempt in first:
+        passage = attempt.task.passage
         try:
-            coarse = search(own, log)
+            coarse = search(attempt, log)
         except NoSolutionError:
             if not passage.brief:
                 raise
@@ -147,7 +147,7 @@ def searcher(task: Task, log: Log) -> Searcher:
         active = ActiveSet.of(replace(changed, passage=way), joint_path.q).with_rows(())
 
         def solve(start: Stages, iterations: int) -> Answer:
-            found = solved_lazily(with_near_rows(active, start), start, log, {"max_iterations": iterations})
+            found = solve_lazily(with_near_rows(active, start), start, log, {"max_iterations": iterations})
             return Answer(found.solution, found.problem)
 
         return Trial(active.scene, solve)
@@ -155,14 +155,14 @@ def searcher(task: Task, log: Log) -> Searcher:
     return Searcher(task.searched_scene, trial, lambda: log.out_of_time)
 
 
-def _overlooked(task: Task, joint_path: JointPath, last: Candidate | None, log: Log) -> Candidate:
+def _overlooked_motion(task: Task, joint_path: JointPath, last: Candidate | None, log: Log) -> Candidate:
     """The motion that the search has overlooked: it is found where the time is left open, and short enough.
 
     Raises:
         NoSolutionError: there is none; names the constraint in the way.
     """
     tried = last and Answer(last.solution, last.problem)
-    found = diagnosis.last_resort(searcher(task, log), joint_path, tried)
-    log.starts.append(found.solution.stages.duration)
-    active = ActiveSet.of(task, joint_path.q).with_rows(place.row for place in found.problem.places)
-    return Candidate(active, found.solution, found.problem)
+    motion = diagnosis.last_resort(searcher(task, log), joint_path, tried)
+    log.starts.append(motion.solution.stages.duration)
+    active = ActiveSet.of(task, joint_path.q).with_rows(place.row for place in motion.problem.places)
+    return Candidate(active, motion.solution, motion.problem)

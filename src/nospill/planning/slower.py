@@ -89,7 +89,7 @@ def slower(planned: Plan, speed: float) -> Plan:
             nearest = worst
         if worst is not None and worst.use > 1.0:
             continue
-        scene, trajectory, judgement = _judged(planned, law)
+        scene, trajectory, judgement = _judge(planned, law)
         if judgement.certificate.ok:
             report = replace(
                 PlanningReport.empty("another time law"),
@@ -100,19 +100,19 @@ def slower(planned: Plan, speed: float) -> Plan:
             return with_approach(judged_plan(scene, trajectory, judgement, report))
         nearest = judgement.certificate.worst
     least = 100 * SPEEDS[-1] * speed
-    found = "" if nearest is None else f"; in the motion that comes nearest {describe(nearest)}"
+    nearest_text = "" if nearest is None else f"; in the motion that comes nearest {describe(nearest)}"
     raise NoSolutionError(
-        f"on the way of this plan no motion of {100 * speed:.3g} to {least:.3g} % of its speed holds{found}"
+        f"on the way of this plan no motion of {100 * speed:.3g} to {least:.3g} % of its speed holds{nearest_text}"
     )
 
 
 def apart(first: Plan, second: Plan) -> Apart:
     """How far the ways of two motions of one arm are apart, whatever their times."""
     tool, ways = first.scene.tray.tool, []
-    for own in (first, second):
-        end = own.trajectory.rest_time
-        q = own.trajectory.motion(np.linspace(0.0, end, _AMONG * int(np.ceil(_LOOKED_AT * end)) + 1))
-        tray = kinematics(own.scene.robot).motions(q, np.zeros_like(q), np.zeros_like(q), tool=tool)
+    for plan in (first, second):
+        end = plan.trajectory.rest_time
+        q = plan.trajectory.motion(np.linspace(0.0, end, _AMONG * int(np.ceil(_LOOKED_AT * end)) + 1))
+        tray = kinematics(plan.scene.robot).motions(q, np.zeros_like(q), np.zeros_like(q), tool=tool)
         # a place and an attitude that count the same are as far apart: columns of R differ by the angle
         features = np.hstack(
             [tray.position / SAME_PLACE, tray.rotation.reshape(-1, 9) / (np.sqrt(2.0) * SAME_ATTITUDE)]
@@ -182,7 +182,7 @@ def _rows(planned: Plan, law: TimeLaw) -> list[Row]:
     return [worst_row(trace) for trace in object_traces(record, scene, motion)]
 
 
-def _judged(planned: Plan, law: TimeLaw) -> tuple[Scene, Trajectory, Judgement]:
+def _judge(planned: Plan, law: TimeLaw) -> tuple[Scene, Trajectory, Judgement]:
     """The scene with the duration, the record with its liquids, and the verdict."""
     scene = planned.scene.changed({"motion.duration": law.duration})
     record = retimed(planned.trajectory, scene, law)

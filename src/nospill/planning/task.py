@@ -89,7 +89,7 @@ class Task:
         if not self.keeps_apart:
             return {}
         found = least_slack(self.scene, q, within=Clearance.least_size)
-        return {RowId(Clearance.name, subject): room / Clearance.least_size for subject, room in found.items()}
+        return {RowId(Clearance.name, subject): slack / Clearance.least_size for subject, slack in found.items()}
 
     @property
     def around_solids(self) -> frozenset[RowId]:
@@ -121,23 +121,26 @@ class Task:
             # Its equalities are bounds of the variables, which only another end condition takes away.
             scene = replace(scene, motion=replace(scene.motion, end="residual"))
         families = [
-            [_refined(item, modes) if item.name in refined and item.id in members else item for item in own]
-            for own in self.variants
+            [
+                _with_excited_modes(item, modes) if item.name in refined and item.id in members else item
+                for item in variants
+            ]
+            for variants in self.variants
         ]
         return scene_of(scene, families, members)
 
 
-def _refined(variant: Variant, modes: int) -> Variant:
+def _with_excited_modes(variant: Variant, modes: int) -> Variant:
     """A variant with more modes: at a part v of the speed those that the motion excites as well.
 
     A mode of frequency omega answers there to what one of omega / v answers to at the planned speed.
     """
-    found = replace(variant, cargo=with_modes(variant.cargo, modes))
-    greatest = _EXCITED * variant.speed * _fastest(found.cargo)
-    while modes > 1 and _fastest(found.cargo) > greatest:
+    refined = replace(variant, cargo=with_modes(variant.cargo, modes))
+    greatest = _EXCITED * variant.speed * _fastest(refined.cargo)
+    while modes > 1 and _fastest(refined.cargo) > greatest:
         modes -= 1
-        found = replace(variant, cargo=with_modes(variant.cargo, modes))
-    return found
+        refined = replace(variant, cargo=with_modes(variant.cargo, modes))
+    return refined
 
 
 def _fastest(cargo: Cargo) -> float:

@@ -58,7 +58,7 @@ def shared_backoff(
 ) -> dict[RowId, float]:
     """Back-off of every row; contacts near a limit get `_SHARE` of what the worst one of their constraint got.
 
-    Objects on one tray feel the same motion: where one exceeds its limit between the nodes, those beside it do so as
+    Objects on one tray feel the same motion: where one exceeds its limit between the nodes, its neighbours do so as
     soon as it no longer holds the motion back.
 
     Args:

@@ -13,7 +13,7 @@ from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, problem_about, solved
 from nospill.planning.log import Log
-from nospill.planning.refinement import REFINE_ITERATIONS, Judged, started_from
+from nospill.planning.refinement import REFINE_ITERATIONS, Judged, start_from
 from nospill.planning.task import Task
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath
@@ -28,7 +28,7 @@ _WARM: Options = {"kkt_error_globalization": True, "bound_push": 5e-4, "max_iter
 _SLOWED: Options = {**_WARM, "bound_push": 3e-3}
 
 
-def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Candidate | None:
+def restart(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Candidate | None:
     """Solve from an earlier plan of a similar scene; None where that does not converge.
 
     `last` is the candidate that plan was made from: its multipliers are used where it is at hand.
@@ -40,21 +40,21 @@ def restarted(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Ca
         if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
             active = replace(active, expected=earlier.duration, jerk_weight_factor=last.active.jerk_weight_factor)
-            if (found := _solved_again(active, last.stages, log, warm=last)) is not None:
-                return found
-    return _restarted_from(task, earlier, earlier.trajectory, log)
+            if (candidate := _solve_again(active, last.stages, log, warm=last)) is not None:
+                return candidate
+    return _restart_from(task, earlier, earlier.trajectory, log)
 
 
-def restarted_on(task: Task, earlier: Plan, joint_path: JointPath, log: Log) -> Candidate | None:
-    """Solve from the motion of an earlier plan's tray with the arm on another branch; None as `restarted`."""
+def restart_on_branch(task: Task, earlier: Plan, joint_path: JointPath, log: Log) -> Candidate | None:
+    """Solve from the motion of an earlier plan's tray with the arm on another branch; None as `restart`."""
     try:
         moved = on_branch(earlier.trajectory, earlier.scene, task.scene, joint_path)
     except ModelError:
         return None
-    return _restarted_from(task, earlier, moved, log)
+    return _restart_from(task, earlier, moved, log)
 
 
-def _restarted_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> Candidate | None:
+def _restart_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> Candidate | None:
     """Solve from the motion of an earlier plan, or one whose tray moves alike, with what its limits say."""
     with log.phase("certify"):
         judgement = judge(motion, task.scene) if has_variants(task.scene) else None
@@ -66,16 +66,16 @@ def _restarted_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> 
         active = active.without_far(earlier.certificate.rows)
     active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
     active = replace(active, expected=earlier.duration, jerk_weight_factor=earlier.report.jerk_weight_factor)
-    return _solved_again(active, started_from(active, motion, log), log, warm=None)
+    return _solve_again(active, start_from(active, motion, log), log, warm=None)
 
 
-def started_beside(task: Task, given: Judged, log: Log) -> Candidate | None:
+def start_off_path(task: Task, given: Judged, log: Log) -> Candidate | None:
     """Solve from a motion on the path, where the tray may leave it; None where that does not converge."""
     before = given.candidate.active
     active = ActiveSet.of(task, given.trajectory.joint_position, before.members, before.refined)
     active = _cautious(active.without_far(given.judgement.certificate.rows).with_backoff(before.backoff))
     active = replace(active, expected=given.trajectory.end_time)
-    return _solved_again(active, started_from(active, given.trajectory, log), log, warm=None)
+    return _solve_again(active, start_from(active, given.trajectory, log), log, warm=None)
 
 
 def _cautious(active: ActiveSet) -> ActiveSet:
@@ -84,16 +84,16 @@ def _cautious(active: ActiveSet) -> ActiveSet:
     return active.with_backoff({key: known[key.constraint].restart_backoff for key in active.backoff})
 
 
-def _solved_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate | None) -> Candidate | None:
+def _solve_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate | None) -> Candidate | None:
     """Solve from a motion of an earlier scene, slowed down if the new one has tighter limits."""
     with log.phase("build", "fine"):
         problem = problem_about(active, start)
     broken = is_broken(problem, start)
     if broken:
         start = slow_enough(problem, start)
-    found = solved(active, start, log, _SLOWED if broken else _WARM, warm, problem)
-    if not found.solution.converged:
-        found = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS), problem=problem)
-    succeeded = found.has_converged and found.keeps_branch
-    log.starts.append(found.stages.duration if succeeded else None)
-    return found if succeeded else None
+    candidate = solved(active, start, log, _SLOWED if broken else _WARM, warm, problem)
+    if not candidate.solution.converged:
+        candidate = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS), problem=problem)
+    succeeded = candidate.has_converged and candidate.keeps_branch
+    log.starts.append(candidate.stages.duration if succeeded else None)
+    return candidate if succeeded else None

@@ -23,13 +23,15 @@ def peaks(rows: Iterable[Row], speeds: Mapping[VariantId, float]) -> list[Row]:
     worst: dict[str, list[Row]] = {}
     for row in rows:
         worst.setdefault(row.constraint, []).append(row)
-    found = []
-    for own in worst.values():
-        at_speed = _worst_at_each(own, speeds)
+    peak_rows = []
+    for of_subject in worst.values():
+        at_speed = _worst_at_each(of_subject, speeds)
         ordered = [at_speed[speed] for speed in sorted(at_speed)]
         uses = [0.0, *(row.use for row in ordered), 0.0]
-        found += [row for index, row in enumerate(ordered, start=1) if uses[index - 1] < uses[index] >= uses[index + 1]]
-    return found
+        peak_rows += [
+            row for index, row in enumerate(ordered, start=1) if uses[index - 1] < uses[index] >= uses[index + 1]
+        ]
+    return peak_rows
 
 
 def evenly(rows: Iterable[Row], speeds: Mapping[VariantId, float], step: float) -> list[Row]:

@@ -49,7 +49,7 @@ def starts_alike(first: Scene, second: Scene) -> bool:
 
 
 def judged_motion(plan: Plan) -> Judgement:
-    """The judgement of a plan's motion, with what the full model sees beside it.
+    """The judgement of a plan's motion, with what the full model sees in addition to it.
 
     The one at hand from planning, otherwise a new one; never the certificate that a folder holds.
 
@@ -87,20 +87,20 @@ def with_approach(plan: Plan) -> Plan:
     if rules is None:
         return plan
     try:
-        found = find_approach(plan.scene, rules, plan.trajectory.joint_position[0])
+        judged = find_approach(plan.scene, rules, plan.trajectory.joint_position[0])
     except ModelError as error:
         reason = Reason(MOTION, APPROACH + SloshHeight.name, "cargo", changes=_less(plan))
         raise NoSolutionError(f"No approach found: {error} {_ADVICE}", reason) from error
-    worst = found.certificate.worst
-    if not found.certificate.ok:
-        slowly = "" if found.segment.stretch == 1.0 else f", even {found.segment.stretch:g} times as slowly"
+    worst = judged.certificate.worst
+    if not judged.certificate.ok:
+        slowly = "" if judged.segment.stretch == 1.0 else f", even {judged.segment.stretch:g} times as slowly"
         in_the_way = worst.constraint == APPROACH + Clearance.name
         changes = () if in_the_way else _less(plan)
         advice = _BETWEEN if in_the_way else _ADVICE
         helps = f" Smallest single change found: {changes[0].text}." if changes else ""
         reason = Reason(MOTION, worst.constraint, worst.subject, None, worst.use - 1.0, changes=changes)
         raise NoSolutionError(f"No approach found: {describe(worst)}{slowly}; {advice}{helps}", reason)
-    return replace(plan, approach=found.segment, certificate=plan.certificate.joined(found.certificate))
+    return replace(plan, approach=judged.segment, certificate=plan.certificate.joined(judged.certificate))
 
 
 def _less(plan: Plan) -> tuple[Change, ...]:
@@ -145,15 +145,15 @@ def hand_over_approach(plan: Plan, exporter: Exporter, path: Path, *, rate: floa
     require_exportable(plan, exporter, rate)
     exporter.write(resampled(segment.record(), rate), plan.scene, path)
     bare = replace(plan.scene, motion=replace(plan.scene.motion, hold_before=0.0, hold_after=0.0))
-    found = read_samples(exporter, path, bare)
-    motion = exporter.interpolation.motion(found)
-    played = replace(segment, samples=found)
+    samples = read_samples(exporter, path, bare)
+    motion = exporter.interpolation.motion(samples)
+    played = replace(segment, samples=samples)
     end = plan.trajectory.joint_position[0]
     return Handover(
         path=path,
         exporter=exporter,
-        rate=found.rate,
-        samples=len(found.t),
+        rate=samples.rate,
+        samples=len(samples.t),
         certificate=judge_segment(played, plan.scene, rules, end, motion=motion),
-        joint_deviation=Handover.largest_deviation(segment.record(), found, motion),
+        joint_deviation=Handover.largest_deviation(segment.record(), samples, motion),
     )

@@ -55,7 +55,7 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
         certificate = parsed_json((place / CERTIFICATE_FILE).read_text(encoding="utf-8-sig"))
         summary = parsed_json((place / SUMMARY_FILE).read_text(encoding="utf-8-sig"))
         maxima, report = restored_records(summary)
-        unjudged = _unjudged(summary)
+        unjudged = _limits_not_at_hand(summary)
         scene = constrained(read_scenario(place / SCENARIO_FILE), constraints)
         names = {limit.name for limit in scene.constraints}
         scene = scene.with_constraints(scene.constraints, [limit for limit in unjudged if limit.name not in names])
@@ -69,7 +69,7 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
                 rows=_rows([row for row in certificate["rows"] if row["constraint"] not in known]),
                 published=bool(certificate.get("published", False)),
                 modes=certificate.get("modes"),
-                full_model=_broken(certificate),
+                full_model=_failing_rows(certificate),
                 unjudged=scene.unjudged,
                 self_collision=_self_collision(certificate),
             ),
@@ -100,7 +100,7 @@ def require_no_own_limits(scenario: str | Path) -> None:
     if not file.is_file():
         return
     try:
-        names = [limit.name for limit in _unjudged(parsed_json(file.read_text(encoding="utf-8-sig")))]
+        names = [limit.name for limit in _limits_not_at_hand(parsed_json(file.read_text(encoding="utf-8-sig")))]
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return  # whoever needs the summary says what is wrong with it
     if names:
@@ -110,7 +110,7 @@ def require_no_own_limits(scenario: str | Path) -> None:
         )
 
 
-def _unjudged(summary: dict[str, Any]) -> list[LimitRecord]:
+def _limits_not_at_hand(summary: dict[str, Any]) -> list[LimitRecord]:
     """Limits from Python that the plan was saved with; an older one has none."""
     return [LimitRecord.of(entry) for entry in summary.get("constraints", ())]
 
@@ -124,7 +124,7 @@ def _approach(place: Path, scene: Scene, summary: dict[str, Any]) -> Segment | N
     )
 
 
-def _broken(certificate: dict[str, Any]) -> tuple[Row, ...] | None:
+def _failing_rows(certificate: dict[str, Any]) -> tuple[Row, ...] | None:
     found = certificate.get("full_model")
     return None if found is None else tuple(Row(**row) for row in found)
 

@@ -194,7 +194,7 @@ class Plan:
         return replace(self, report=replace(self.report, phases={**self.report.phases, phase: seconds}))
 
     def with_second_looks(self) -> Plan:
-        """The plan with what the full model sees beside its certificate, and what it uses at lower speeds."""
+        """The plan with what the full model sees in addition to its certificate, and what it uses at lower speeds."""
         found = replace(self, certificate=with_full_model(self.certificate, self.trajectory, self.scene))
         if self.maxima.other_speeds is not None:
             return found

@@ -1,4 +1,4 @@
-"""What a plan records beside its motion: its largest figures, and what planning cost."""
+"""What a plan records in addition to its motion: its largest figures, and what planning cost."""
 
 from __future__ import annotations
 

@@ -98,10 +98,10 @@ def _require_same_arm(scene: Scene, before: Scene) -> None:
         raise _another("robot.base_position", _mm(place), _mm(was), before.name, "the base does not move")
     if angles_between(turn[None], turned[None])[0] > _SAME:
         keys = ("base_yaw", "base_pitch", "base_roll")
-        own, other = (
+        our_base, other = (
             ", ".join(f"{key} = {as_written(_robot_key(of, key) or 0.0)}" for key in keys) for of in (scene, before)
         )
-        raise _another("robot", own, other, before.name, "the base does not move")
+        raise _another("robot", our_base, other, before.name, "the base does not move")
 
 
 def _robot_key(scene: Scene, key: str) -> object:
@@ -118,8 +118,8 @@ def _move_alike(first: Robot, second: Robot) -> bool:
         origin, turn = base_pose(robot.urdf)
         positions, rotations = kinematics(robot).poses(q)
         poses.append(((positions - origin) @ turn, turn.T @ rotations))
-    (here, own), (there, theirs) = poses
-    return bool(np.abs(here - there).max() < _SAME and angles_between(own, theirs).max() < _SAME)
+    (here, our_axes), (there, theirs) = poses
+    return bool(np.abs(here - there).max() < _SAME and angles_between(our_axes, theirs).max() < _SAME)
 
 
 def _require_same_tray(scene: Scene, before: Scene) -> None:
@@ -147,9 +147,9 @@ def _require_same_object(cargo: Cargo, before: Cargo, name: str) -> None:
         now, was = ("no liquid" if of is None else of.liquid.name for of in (ours, theirs))
         raise _another(f"{key}.liquid", now, was, name, cure)
     if ours is not None and theirs is not None:
-        for (own, now), (_, was) in zip(_of_liquid(ours), _of_liquid(theirs), strict=True):
+        for (ours_name, now), (_, was) in zip(_of_liquid(ours), _of_liquid(theirs), strict=True):
             if now != was:
-                raise _another(f"{key}.{own}", now, was, name, cure)
+                raise _another(f"{key}.{ours_name}", now, was, name, cure)
 
 
 def _shape(cargo: Cargo) -> str:

@@ -54,7 +54,7 @@ def swing_after(plan: Plan, wait: float, following: Sequence[Cargo] = ()) -> dic
         ]
 
     liquids = {cargo.name: cargo for cargo in scene.cargo if cargo.filling is not None}
-    found = dict(zip(liquids, left([*liquids.values()]), strict=True)) if liquids else {}
+    swings = dict(zip(liquids, left([*liquids.values()]), strict=True)) if liquids else {}
     offsets = {cargo.name: liquid_offsets(cargo) for cargo in following if cargo.name in liquids}
     variants: dict[str, list[tuple[LiquidOffset, Swing]]] = {name: [] for name in offsets}
     for number in range(max(map(len, offsets.values()), default=0)):
@@ -62,7 +62,7 @@ def swing_after(plan: Plan, wait: float, following: Sequence[Cargo] = ()) -> dic
         changed = [_offset(liquids[name], offset, scene) for name, offset in some.items()]
         for (name, offset), swing in zip(some.items(), left(changed), strict=True):
             variants[name].append((offset, swing))
-    return {name: replace(swing, variants=tuple(variants.get(name, ()))) for name, swing in found.items()}
+    return {name: replace(swing, variants=tuple(variants.get(name, ()))) for name, swing in swings.items()}
 
 
 def _offset(cargo: Cargo, offset: LiquidOffset, scene: Scene) -> Cargo:
@@ -144,18 +144,18 @@ def _swinging_after(scene: Scene, plan: Plan, wait: float) -> Scene:
 
 def _table(swing: Swing) -> dict[str, object]:
     """A swing as a scenario states it."""
-    own: dict[str, object] = {
+    table: dict[str, object] = {
         "displacement": [*map(list, swing.displacement)],
         "velocity": [*map(list, swing.velocity)],
     }
     if swing.yaw_displacement:
-        own |= {"yaw_displacement": [*swing.yaw_displacement], "yaw_velocity": [*swing.yaw_velocity]}
+        table |= {"yaw_displacement": [*swing.yaw_displacement], "yaw_velocity": [*swing.yaw_velocity]}
     if swing.variants:
-        own["variant"] = [_given(offset) | _table(item) for offset, item in swing.variants]
-    return own
+        table["variant"] = [_perturbation_table(offset) | _table(item) for offset, item in swing.variants]
+    return table
 
 
-def _given(offset: LiquidOffset) -> dict[str, object]:
+def _perturbation_table(offset: LiquidOffset) -> dict[str, object]:
     values = asdict(offset) | {"position": list(offset.position)}
     usual = asdict(LiquidOffset()) | {"position": [0.0, 0.0]}
     return {key: value for key, value in values.items() if value != usual[key]}

@@ -19,21 +19,23 @@ def distances_figure(evidence: Evidence) -> Figure | None:
     played = evidence.judgement.replay
     t = np.linspace(played.t[0], played.t[-1], _INSTANTS)
     q = np.stack([np.interp(t, played.t, column) for column in played.joint_position.T], axis=1)
-    found = list(nearest_over_time(evidence.plan.scene, q))
-    if not found:
+    histories = list(nearest_over_time(evidence.plan.scene, q))
+    if not histories:
         return None
-    least = sorted(range(len(found)), key=lambda index: float(np.min(found[index].distance)) - found[index].limit)
-    found = [found[index] for index in sorted(least[:_MOST])]
+    least = sorted(
+        range(len(histories)), key=lambda index: float(np.min(histories[index].distance)) - histories[index].limit
+    )
+    histories = [histories[index] for index in sorted(least[:_MOST])]
     panels = time_panels(
         evidence,
         "Nearest distance",
-        count=len(found),
+        count=len(histories),
         columns=1,
         height=1.2,
         share_height=False,
         legend=[limit_key("distance to keep")],
     )
-    for axes, item in zip(panels.axes, found, strict=True):
+    for axes, item in zip(panels.axes, histories, strict=True):
         distance, limit = 1e3 * item.distance, 1e3 * item.limit
         top = max(1.15 * float(np.max(distance)), 1.5 * limit, 1.0)
         low = min(-0.02 * top, 1.1 * float(np.min(distance)))

@@ -28,7 +28,7 @@ NEAR = 0.15
 """A position limit is drawn when the joint comes nearer to it than this part of its range."""
 
 _LABEL_WIDTH, _LABEL_HEIGHT = 0.36, 0.1
-"""Room a limit's name takes in a panel, in fractions of its sides."""
+"""Space a limit's name takes in a panel, in fractions of its sides."""
 
 
 def joints_figure(evidence: Evidence) -> Figure:
@@ -60,14 +60,14 @@ def _draw_positions(axes: Axes, evidence: Evidence) -> None:
     for index, trace in enumerate(traces):
         axes.plot(trace.t, np.degrees(trace.value), **series_look(index))
         lower, upper = float(robot.lower[index]), float(robot.upper[index])
-        room = NEAR * (upper - lower)
+        distance_shown = NEAR * (upper - lower)
         near += [
             (float(np.degrees(limit)), above, _limit_name(names[index], limit))
             for limit, above, distance in (
                 (lower, False, np.min(trace.value) - lower),
                 (upper, True, upper - np.max(trace.value)),
             )
-            if distance < room
+            if distance < distance_shown
         ]
     for limit, _, _ in near:
         axes.axhline(limit, color=RED, linewidth=1.2, zorder=2.5)

@@ -57,14 +57,14 @@ def draw_limiting(axes: Axes, evidence: Evidence, *, most: int, longest: int = _
         most: rows drawn; the last line says how many more come near their limit.
         longest: letters of a row's name.
     """
-    found = evidence.limiting
-    rows = found[:most]
+    limiting = evidence.limiting
+    rows = limiting[:most]
     names = limiting_names([item.row for item in rows], evidence.plan.scene.robot.joints)
     for line, item in enumerate(rows):
         _draw_use(axes, line, item)
     last = len(rows)
-    _draw_free(axes, last, found, evidence.end_time)
-    shares = [f"{100 * item.share:.0f} %" for item in rows] + [f"{100 * share_without_limit(found):.0f} %"]
+    _draw_free(axes, last, limiting, evidence.end_time)
+    shares = [f"{100 * item.share:.0f} %" for item in rows] + [f"{100 * share_without_limit(limiting):.0f} %"]
     for line, share in enumerate(shares):
         axes.text(1.13, line, share, transform=axes.get_yaxis_transform(), ha="right", va="center", size=SMALL)
     axes.text(1.13, -0.62, "at limit", transform=axes.get_yaxis_transform(), ha="right", va="bottom", size=SMALL)
@@ -78,8 +78,8 @@ def draw_limiting(axes: Axes, evidence: Evidence, *, most: int, longest: int = _
     axes.set_xlim(0.0, evidence.end_time)
     axes.grid(visible=False)
     axes.spines["left"].set_visible(False)
-    if len(found) > most:
-        more = f"and {len(found) - most} more"
+    if len(limiting) > most:
+        more = f"and {len(limiting) - most} more"
         look = {"size": SMALL, "color": INK, "ha": "right", "va": "top"}
         axes.annotate(more, (0.0, 0.0), (-16, -4), "axes fraction", "offset points", **look)
 

@@ -31,7 +31,7 @@ _ARM, _SHOWN = "#C3C8CE", 0.32
 """Colour of the arm below the tray, and how much of it is drawn, m."""
 _OBSTACLE = (*(channel / 255 for channel in OBSTACLE), 0.22)
 """Colour of obstacles, through which the rest is seen."""
-_ROOM = 0.45
+_MARGIN = 0.45
 """in; kept free round the box for ticks and labels."""
 
 
@@ -96,7 +96,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
         axes.add_collection3d(Line3DCollection([shaft], colors=ORANGE, linewidths=1.6, zorder=3, clip_on=False))
         tip = _on_tray(evidence, index, head)
         axes.add_collection3d(Poly3DCollection([tip], facecolors=ORANGE, linewidths=0, zorder=3, clip_on=False))
-    given = _given(scene)
+    given = _given_path(scene)
     if given is not None:
         axes.plot(*given.T, color=GREY, linewidth=1.2, linestyle="--", zorder=4, clip_on=False)
     for item in scene.motion.via:
@@ -122,7 +122,7 @@ def draw_path(figure: Figure, evidence: Evidence, place: tuple[float, float, flo
     return axes
 
 
-def _given(scene: Scene) -> np.ndarray | None:
+def _given_path(scene: Scene) -> np.ndarray | None:
     """The given path (m, 3), m, where the tray may leave it."""
     if scene.motion.corridor is None:
         return None
@@ -130,7 +130,7 @@ def _given(scene: Scene) -> np.ndarray | None:
 
 
 def _instants(evidence: Evidence) -> np.ndarray:
-    """Indices into the replay at equal steps of the path parameter, as many as leave room between the trays."""
+    """Indices into the replay at equal steps of the path parameter, as many as leave space between the trays."""
     trajectory, scene = evidence.plan.trajectory, evidence.plan.scene
     count = int(np.clip(scene.path.length // (1.2 * float(np.max(scene.tray.size))) + 1, 2, 6))
     times = np.interp(np.linspace(0.0, 1.0, count), np.maximum.accumulate(trajectory.s), trajectory.t)
@@ -144,12 +144,12 @@ def _wrists(evidence: Evidence, instants: np.ndarray) -> list[np.ndarray]:
     played = evidence.judgement.replay
     frames = joint_frames(arm_chain(evidence.plan.scene.robot), played.joint_position[instants])
     lines = np.stack([played.tray.position[instants], *frames.position[:0:-1]], axis=1)
-    found = []
+    wrists = []
     for line in lines:
         gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
         stops = np.append(gone[gone < _SHOWN], _SHOWN)
-        found.append(np.column_stack([np.interp(stops, gone, line[:, axis]) for axis in range(3)]))
-    return found
+        wrists.append(np.column_stack([np.interp(stops, gone, line[:, axis]) for axis in range(3)]))
+    return wrists
 
 
 def _on_tray(evidence: Evidence, index: int, outline: np.ndarray) -> np.ndarray:
@@ -209,8 +209,8 @@ def _fit(
     across, up, _ = proj3d.proj_transform(x, y, z, axes.get_proj())
     pixels = axes.transData.transform(np.column_stack([across, up])) / figure.dpi
     size = np.array(figure.get_size_inches())
-    room = np.array(place[2:]) * size - 2 * _ROOM
-    zoom = float(np.min(room / np.ptp(pixels, axis=0)))
+    space = np.array(place[2:]) * size - 2 * _MARGIN
+    zoom = float(np.min(space / np.ptp(pixels, axis=0)))
     axes.set_box_aspect(high - low, zoom=zoom)
     # Zooming is about the middle of the axes; move that so that the box's middle falls into the middle of the place.
     middle = axes.get_position().get_points().mean(axis=0) * size

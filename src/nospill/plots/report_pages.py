@@ -30,7 +30,7 @@ _GOOD = "#00704F"
 
 def report_svgs(evidence: Evidence) -> dict[str, str]:
     """The figures that apply, by name, as SVG text with letters as outlines; the same plan gives the same text."""
-    found = {}
+    svgs = {}
     look: dict[Any, Any] = {**LOOK, "svg.hashsalt": "nospill"}
     with matplotlib.rc_context(look):
         for name, draw in REPORT_FIGURES.items():
@@ -39,8 +39,8 @@ def report_svgs(evidence: Evidence) -> dict[str, str]:
                 text = io.StringIO()
                 empty = dict.fromkeys(("Creator", "Date", "Format", "Type"))
                 figure.savefig(text, format="svg", metadata=empty)
-                found[name] = text.getvalue()
-    return found
+                svgs[name] = text.getvalue()
+    return svgs
 
 
 def report_pdf(evidence: Evidence, first: tuple[TextTable, ...], last: tuple[TextTable, ...], footer: str) -> bytes:

@@ -43,16 +43,16 @@ def runs_figure(runs: Sequence[RunComparison]) -> Figure:
     figure = Figure(figsize=(_WIDTH * columns, _HEAD + _HEIGHT * rows), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, run in zip(panels, runs, strict=False):
-        own = run.comparison
-        axes.fill_between(own.t, 1e3 * run.low, 1e3 * run.high, color=BLUE, alpha=0.25, linewidth=0)
-        axes.plot(own.t, 1e3 * own.predicted, color=BLUE, linewidth=1.0)
-        axes.plot(own.t, 1e3 * own.measured, color=BLACK, marker=".", markersize=1.8, linewidth=0.4)
+        comparison = run.comparison
+        axes.fill_between(comparison.t, 1e3 * run.low, 1e3 * run.high, color=BLUE, alpha=0.25, linewidth=0)
+        axes.plot(comparison.t, 1e3 * comparison.predicted, color=BLUE, linewidth=1.0)
+        axes.plot(comparison.t, 1e3 * comparison.measured, color=BLACK, marker=".", markersize=1.8, linewidth=0.4)
         axes.set_title(plain(run.name, 26), size=SMALL)
-        figures = f"r {own.correlation:.2f}, peak {1e2 * own.relative_peak_error:+.0f} %"
+        figures = f"r {comparison.correlation:.2f}, peak {1e2 * comparison.relative_peak_error:+.0f} %"
         axes.set_title(figures, loc="right", size=SMALL)
-        axes.set_xlim(float(own.t[0]), float(own.t[-1]))
-        lowest = min(0.0, 1.1e3 * float(np.min(own.measured)))
-        axes.set_ylim(lowest, 1.12e3 * float(max(np.max(run.high), np.max(own.measured))))
+        axes.set_xlim(float(comparison.t[0]), float(comparison.t[-1]))
+        lowest = min(0.0, 1.1e3 * float(np.min(comparison.measured)))
+        axes.set_ylim(lowest, 1.12e3 * float(max(np.max(run.high), np.max(comparison.measured))))
     for spare in panels[len(runs) :]:
         spare.remove()
     for index in range(len(runs)):

@@ -179,8 +179,8 @@ def headline(figure: Figure, evidence: Evidence, title: str, *, left: float, y: 
 def entitle(axes: Axes, title: str, peak: str) -> None:
     """Print what a panel shows and, on the right, its largest figure; inside the panel where both do not fit above."""
     axes.set_title(title)
-    room = axes.get_position().width * axes.get_figure(root=True).get_size_inches()[0]  # type: ignore[union-attr]
-    if _WIDE_LETTER * (9 * len(title) + SMALL * len(peak)) <= room:
+    available = axes.get_position().width * axes.get_figure(root=True).get_size_inches()[0]  # type: ignore[union-attr]
+    if _WIDE_LETTER * (9 * len(title) + SMALL * len(peak)) <= available:
         axes.set_title(peak, loc="right", size=SMALL)
         return
     axes.annotate(

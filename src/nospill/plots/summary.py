@@ -74,7 +74,7 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     left = about + names
     figure.text(0.03, 0.939, left, size=8.5, va="top")
     rows = certificate.rows
-    # Which numbers are worst stands in the certificate; here there is no room for it.
+    # Which numbers are worst stands in the certificate; here there is no space for it.
     detail = describe(replace(certificate.worst, subject=plain(certificate.worst.subject, 16), variant=""))
     over = " over its tolerances" if is_uncertain(scene) else ""
     if certificate.ok:
@@ -119,7 +119,7 @@ def _draw_tightest(axes: Axes, evidence: Evidence) -> None:
 
 
 def _legend(axes: Axes, looks: dict[str, int]) -> None:
-    """A legend of names and their looks above the panel and its title; there is room for the first twelve."""
+    """A legend of names and their looks above the panel and its title; there is space for the first twelve."""
     names = cut_apart(list(looks), 14 if len(looks) < 7 else 10)
     handles = [line_key(plain(name), look) for name, look in zip(names, looks.values(), strict=True)][:12]
     axes.legend(

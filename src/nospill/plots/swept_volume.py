@@ -17,7 +17,7 @@ from nospill.plots.style import BLACK, BLUE, GREY, SMALL, WIDTH, headline, plain
 
 _INSTANTS = 60
 _ARM, _LOAD = "#D5D9DE", "#B9D8EE"
-_ROOM = 0.06
+_MARGIN = 0.06
 """m; round what is swept."""
 _LEFT, _RIGHT, _TOP, _GAP, _BOTTOM = 0.55, 0.12, 0.92, 0.62, 0.44
 _HIGHEST = 3.4
@@ -89,7 +89,7 @@ def _along(line: np.ndarray) -> np.ndarray:
 def _extent(areas: dict[bool, list[np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest corner (2,) of what is shown, m."""
     points = np.concatenate([*areas[False], *areas[True]])
-    return points.min(axis=0) - _ROOM, points.max(axis=0) + _ROOM
+    return points.min(axis=0) - _MARGIN, points.max(axis=0) + _MARGIN
 
 
 def _draw(

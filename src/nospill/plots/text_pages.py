@@ -53,7 +53,7 @@ class FigureRow:
 
 @dataclass(frozen=True, slots=True)
 class _Line:
-    """One line on paper: texts and where they begin (in from the left), bold or not, colour, room below (in)."""
+    """One line on paper: texts and where they begin (in from the left), bold or not, colour, space below (in)."""
 
     cells: tuple[tuple[float, str], ...]
     bold: bool = False

@@ -19,7 +19,7 @@ from nospill.scene.scene import Scene
 _HOUR = 3600.0
 _MOST_LIQUIDS = 6
 MOST_IN_A_ROW = 9
-"""Tiles for which a sheet has room beside each other; the last ones are left out."""
+"""Tiles for which a sheet has space in a row; the last ones are left out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ def tiles(evidence: Evidence) -> tuple[Tile, ...]:
         for row in certificate.rows
         if row.known is not None and row.known.role is Role.JOINT and row.constraint != JointPosition.name
     ]
-    found = [
+    shown = [
         Tile(f"{evidence.end_time:.3f} s", "duration"),
         *_sooner(evidence),
         Tile(f"{moves:,}".replace(",", "\u202f"), "moves an hour, one way"),
@@ -61,12 +61,12 @@ def tiles(evidence: Evidence) -> tuple[Tile, ...]:
     tilt = _fullest(certificate.rows, Tilt.name)
     if tilt is not None and rules.tilt_free:
         text = row_text(tilt)
-        found.append(Tile(f"{text.value}°", f"largest tilt angle, {text.limit}° allowed", tilt.ok))
+        shown.append(Tile(f"{text.value}°", f"largest tilt angle, {text.limit}° allowed", tilt.ok))
     if joint_limits:
         row = max(joint_limits, key=lambda item: (not item.ok, item.use))
-        found.append(Tile(row_text(row).use, f"of {row.constraint}, {short.get(row.subject, row.subject)}", row.ok))
-    found.append(Tile(f"{evidence.maxima.tray_acceleration:.3g} m/s²", "largest tray acceleration"))
-    return tuple(found)
+        shown.append(Tile(row_text(row).use, f"of {row.constraint}, {short.get(row.subject, row.subject)}", row.ok))
+    shown.append(Tile(f"{evidence.maxima.tray_acceleration:.3g} m/s²", "largest tray acceleration"))
+    return tuple(shown)
 
 
 def carried(scene: Scene) -> str:

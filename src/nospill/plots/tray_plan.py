@@ -39,9 +39,9 @@ def tray_plan_figure(evidence: Evidence) -> Figure:
         if cargo.carrier:
             continue
         middle = 1e3 * cargo.position
-        room = float(np.ptp(outline[:, 0])) / sides[0] * width
+        width_shown = float(np.ptp(outline[:, 0])) / sides[0] * width
         across = "center" if cargo.contents is None else "top"
-        lines = [plain(cargo.name, max(int(room / 0.075), 5))]
+        lines = [plain(cargo.name, max(int(width_shown / 0.075), 5))]
         if cargo.contents is not None:
             # what stands in it takes its middle
             middle = np.array([middle[0], np.min(outline[:, 1])])

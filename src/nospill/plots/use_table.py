@@ -18,7 +18,7 @@ _LONGEST_NAME = 20
 _LINE = 0.165
 """in; height of a line of the table alone."""
 _USUAL_LINES = 16
-"""Lines for which the panel is drawn; more are narrower, fewer leave room below."""
+"""Lines for which the panel is drawn; more are narrower, fewer leave space below."""
 
 
 def certificate_figure(evidence: Evidence, width: float) -> Figure:
@@ -33,7 +33,7 @@ def draw_use_table(axes: Axes, evidence: Evidence, *, usual: int = _USUAL_LINES)
     """One line per constraint: subject, bar of use, use, value, limit, when; a failing row is hatched and says so.
 
     The checks of the record stand in one line below, and by themselves where they fail. Where there are fewer lines
-    than usual, room is left below.
+    than usual, space is left below.
     """
     certificate = evidence.judgement.certificate
     rows = certificate.listed_rows()

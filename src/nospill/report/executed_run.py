@@ -38,24 +38,24 @@ class ExecutedRun:
     figure: str
 
 
-def executed_run(found: Executed) -> ExecutedRun:
-    """The section of a log that was judged beside its plan."""
-    certificate = found.judgement.certificate
-    line = verdict(found)
+def executed_run(run: Executed) -> ExecutedRun:
+    """The section of a log that was judged and compared with its plan."""
+    certificate = run.judgement.certificate
+    line = verdict(run)
     detail = f"{line[:1].upper()}{line[1:]}. Nearest to its limit: {describe(certificate.worst)}."
     return ExecutedRun(
-        ok=found.outcome != NOT_CERTIFIED,
-        verdict=f"executed: {found.word}",
+        ok=run.outcome != NOT_CERTIFIED,
+        verdict=f"executed: {run.word}",
         detail=detail,
-        rows=_rows(found),
-        heights=_heights(found),
-        figure=executed_svg(found) if found.heights else "",
+        rows=_rows(run),
+        heights=_heights(run),
+        figure=executed_svg(run) if run.heights else "",
     )
 
 
-def _rows(found: Executed) -> TextTable:
-    planned = {} if found.planned is None else {row.id: row for row in found.planned.certificate.rows}
-    rows = found.judgement.certificate.listed_rows()
+def _rows(run: Executed) -> TextTable:
+    planned = {} if run.planned is None else {row.id: row for row in run.planned.certificate.rows}
+    rows = run.judgement.certificate.listed_rows()
     cells = []
     for row in rows:
         text, before = row_text(row), planned.get(row.id)
@@ -65,33 +65,33 @@ def _rows(found: Executed) -> TextTable:
                 row.subject,
                 "-" if before is None else percent(before.use, before.ok),
                 text.use,
-                band_text(found, row),
+                band_text(run, row),
                 text.value,
                 text.limit_and_unit,
                 f"{row.at_s:.3f}",
-                mark(found, row) or "holds",
+                mark(run, row) or "holds",
             )
         )
-    left_open = open_line(found)
-    sentences = [*log_lines(found), *tracking_lines(found), *([left_open] if left_open else [])]
+    left_open = open_line(run)
+    sentences = [*log_lines(run), *tracking_lines(run), *([left_open] if left_open else [])]
     note = " ".join(f"{sentence[:1].upper()}{sentence[1:]}." for sentence in sentences)
-    failing = tuple(index for index, row in enumerate(rows) if found.outcomes[row.id] == NOT_CERTIFIED)
+    failing = tuple(index for index, row in enumerate(rows) if run.outcomes[row.id] == NOT_CERTIFIED)
     return TextTable("Executed", _COLUMNS, tuple(cells), note=note, failing=failing)
 
 
-def _heights(found: Executed) -> TextTable:
-    peaks = {peak.subject: peak for peak in found.peaks if peak.constraint == SloshHeight.name}
+def _heights(run: Executed) -> TextTable:
+    peaks = {peak.subject: peak for peak in run.peaks if peak.constraint == SloshHeight.name}
     cells = []
-    for name, values in found.heights.items():
-        at, peak, own = int(np.argmax(values)), peaks.get(name), found.measured.get(name)
+    for name, values in run.heights.items():
+        at, peak, measured = int(np.argmax(values)), peaks.get(name), run.measured.get(name)
         most = [] if peak is None else sorted(peak.by_joint.items(), key=lambda item: -abs(item[1]))[:2]
         cells.append(
             (
                 name,
                 "-" if peak is None else f"{1e3 * peak.planned:.2f}",
-                height_text(float(values[at]), float(found.height_bands[name][at])),
+                height_text(float(values[at]), float(run.height_bands[name][at])),
                 ", ".join(f"{joint} {1e3 * value:+.2g} mm" for joint, value in most) or "-",
-                "-" if own is None else f"{1e3 * own.measured_peak:.2f}",
+                "-" if measured is None else f"{1e3 * measured.measured_peak:.2f}",
             )
         )
     columns = ("peak of", "planned [mm]", "executed [mm]", "added by", "measured [mm]")

@@ -60,7 +60,7 @@ def html_page(report: Report, figures: Mapping[str, str], picture: bytes = b"") 
         _section(report.task),
         _section(report.cargo),
         _certificate(report),
-        _executed(report),
+        _executed_section(report),
         _section(report.warnings),
         _opinion(report),
         f"<section><h2>Figures</h2><div class='flow'>{''.join(_figure(name, figures[name]) for name in others)}</div>"
@@ -95,11 +95,11 @@ def _heading(report: Report) -> str:
         f"<header><h1>{escape(scene.name)}</h1>"
         f"<p class='about'>{escape(scene.robot.title)} carries {escape(names)}: {carried(scene)}.</p>"
         f"{_banner(report.ok, report.verdict.upper(), report.detail)}"
-        f"{_held_back(report)}</header>"
+        f"{_limiting_section(report)}</header>"
     )
 
 
-def _held_back(report: Report) -> str:
+def _limiting_section(report: Report) -> str:
     sentence, saved = report.evidence.limiting_text, report.evidence.plan.savings_text
     more = f" {escape(saved[:1].upper() + saved[1:])}." if saved else ""
     return f"<p>What holds it back: {escape(sentence)}.{more}</p>" if sentence else ""
@@ -152,7 +152,7 @@ def _table(table: TextTable, *, small: bool = False) -> str:
     for index, row in enumerate(table.rows):
         first = f"<th scope='row'>{escape(row[0])}</th>"
         rest = "".join(
-            f"<td{_named(table.columns[place : place + 1])}{_long(cell)}>{escape(cell)}</td>"
+            f"<td{_column_attribute(table.columns[place : place + 1])}{_long(cell)}>{escape(cell)}</td>"
             for place, cell in enumerate(row[1:], 1)
         )
         rows.append(f"<tr{_failing(index in table.failing)}>{first}{rest}</tr>")
@@ -161,7 +161,7 @@ def _table(table: TextTable, *, small: bool = False) -> str:
     return f"<div class='scroll'><table class='{kind}'>{head}<tbody>{''.join(rows)}</tbody></table></div>"
 
 
-def _named(columns: Sequence[str]) -> str:
+def _column_attribute(columns: Sequence[str]) -> str:
     """The column's name at a cell, which a narrow screen prints in front of it."""
     return f" data-column='{escape(columns[0])}'" if columns and columns[0] else ""
 
@@ -228,7 +228,7 @@ def _bar(row: Row) -> str:
     )
 
 
-def _executed(report: Report) -> str:
+def _executed_section(report: Report) -> str:
     own = report.executed
     if own is None:
         return ""

@@ -81,10 +81,10 @@ def read_second_opinion(folder: str | Path, scene: Scene) -> SecondOpinion:
     try:
         older = path.stat().st_mtime < (place / TRAJECTORY_FILE).stat().st_mtime
         record = parsed_json(path.read_text(encoding="utf-8-sig"))
-        found = second_opinion(record)
+        opinion = second_opinion(record)
         names = [str(item["name"]) for item in record["objects"]]
     except (OSError, ValueError, KeyError, TypeError) as error:
         again = "delete it or write it again with nospill verify DIR --save"
         raise PlanFolderError(f"{path}: damaged ({error!r}); {again}") from error
     # A copied folder loses its times, so the names are looked at too.
-    return _OLDER if older or names != [item.name for item in scene.cargo] else found
+    return _OLDER if older or names != [item.name for item in scene.cargo] else opinion

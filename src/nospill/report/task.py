@@ -40,14 +40,14 @@ def task_table(scene: Scene, *, approach: Segment | None = None) -> TextTable:
     """The task, a line each: robot, tray, path, motion rules, physics, the way to the start if there is one."""
     rows = [
         ("robot", f"{scene.robot.title} ({scene.robot.name}), {len(scene.robot.joints)} joints"),
-        *_given_robot(scene),
+        *_robot_lines(scene),
         ("tray", _tray(scene)),
         ("path", _path(scene)),
         ("attitude", _attitude(scene)),
         ("at the end", _end(scene)),
         *_waiting(scene, approach),
         *_tray_limits(scene),
-        *_given_limits(scene),
+        *_limit_lines(scene),
         ("smoothness", _jerks(scene)),
         *_tolerances(scene),
         ("physics", f"{scene.fidelity}: {_FIDELITY[scene.fidelity]}"),
@@ -116,23 +116,23 @@ def joint_table(scene: Scene, trajectory: Trajectory, certificate: Certificate) 
     )
 
 
-def _given_robot(scene: Scene) -> list[tuple[str, str]]:
+def _robot_lines(scene: Scene) -> list[tuple[str, str]]:
     """What the scenario says about the arm beyond its name, as it was written."""
     given = scene.source.get("robot")
     entries = given if isinstance(given, Mapping) else {}
     keys = [key for key in entries if key not in _SHOWN_ELSEWHERE]
-    rows = [(f"robot, {str(key).replace('_', ' ')}", _written(entries[key])) for key in keys]
+    rows = [(f"robot, {str(key).replace('_', ' ')}", _value_text(entries[key])) for key in keys]
     limits = entries.get("limits")
     if isinstance(limits, Mapping):
-        rows += [(f"limit of {str(key).replace('_', ' ')}", _written(value)) for key, value in limits.items()]
+        rows += [(f"limit of {str(key).replace('_', ' ')}", _value_text(value)) for key, value in limits.items()]
     return rows
 
 
-def _written(value: object) -> str:
+def _value_text(value: object) -> str:
     if isinstance(value, list | tuple):
-        return ", ".join(_written(item) for item in value)
+        return ", ".join(_value_text(item) for item in value)
     if isinstance(value, Mapping):
-        return ", ".join(f"{key}: {_written(item)}" for key, item in value.items())
+        return ", ".join(f"{key}: {_value_text(item)}" for key, item in value.items())
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
@@ -208,7 +208,7 @@ def _jerks(scene: Scene) -> str:
     rules = scene.motion
     found = [f"third derivative of the path parameter up to {rules.path_jerk_limit:.4g} 1/s³"]
     if rules.corridor is not None:
-        found.append(f"of the way beside the path up to {rules.path_jerk_limit * scene.path_length:.4g} m/s³")
+        found.append(f"of the offset from the path up to {rules.path_jerk_limit * scene.path_length:.4g} m/s³")
     angles = [name for name, free in (("the tilt angles", rules.tilt_free), ("the yaw", rules.yaw_free)) if free]
     if angles:
         found.append(f"of {' and '.join(angles)} up to {rules.tilt_jerk_limit:.4g} rad/s³")
@@ -227,8 +227,8 @@ def _tray_limits(scene: Scene) -> list[tuple[str, str]]:
     return [("motion of the tray", ", ".join(found))] if found else []
 
 
-def _given_limits(scene: Scene) -> list[tuple[str, str]]:
-    """Limits beside those of the scenario, with their numbers."""
+def _limit_lines(scene: Scene) -> list[tuple[str, str]]:
+    """Limits in addition to those of the scenario, with their numbers."""
     given = [(limit.record, "") for limit in scene.constraints] + [(one, ", not judged") for one in scene.unjudged]
     return [(f"limit: {record.name}", f"{record.text}{note}") for record, note in given]
 

@@ -67,15 +67,17 @@ def members(name: str, at: Sequence[float], yaw: float, array: CargoArrayTable) 
     """
     cosine, sine = math.cos(yaw), math.sin(yaw)
     columns, rows = array.count
-    found = []
+    entries = []
     for column in range(columns):
         for row in range(rows):
             x = (column - (columns - 1) / 2) * array.pitch[0]
             y = (row - (rows - 1) / 2) * array.pitch[1]
             place = [at[0] + cosine * x - sine * y, at[1] + sine * x + cosine * y]
             # twelve decimals hide the rounding of the turn
-            found.append({"name": f"{name}-{column + 1}-{row + 1}", "at": [round(value, 12) + 0.0 for value in place]})
-    return found
+            entries.append(
+                {"name": f"{name}-{column + 1}-{row + 1}", "at": [round(value, 12) + 0.0 for value in place]}
+            )
+    return entries
 
 
 def check_array(name: str, array: CargoArrayTable, container: Container) -> None:

@@ -71,7 +71,7 @@ def read_cargo(
     _check_keys(entry)
     filling = None if entry.liquid is None else _filling(entry, container, slosh_modes, fidelity)
     total, empty = (
-        _solid_masses(entry, container) if filling is None else _filled_masses(entry, container, filling, fidelity)
+        _solid_masses(entry, container) if filling is None else _masses_with_liquid(entry, container, filling, fidelity)
     )
     cargo = Cargo(
         name=entry.name,
@@ -172,9 +172,9 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
     stated = f"liquid_height {_mm(level)}"
     if entry.liquid_volume is not None:
         stated = f"liquid_volume {_ml(entry.liquid_volume)} (height {_mm(level)})"
-    room = rim - level
-    if room <= 0.0:
-        where = "above" if room < 0.0 else "at"
+    freeboard = rim - level
+    if freeboard <= 0.0:
+        where = "above" if freeboard < 0.0 else "at"
         raise ScenarioError(
             f"{stated} is {where} the rim (height {_mm(rim)}); lower the fill or use a taller cup", reason
         )
@@ -184,15 +184,15 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         limit = default_slosh_height(container, liquid, level, reserve=reserve, contact_line=line, contact_angle=angle)
     if limit <= 0.0:
         raise ScenarioError(
-            f"{stated} is {_mm(room)} below the rim, and the liquid at rest reaches it at the wall"
+            f"{stated} is {_mm(freeboard)} below the rim, and the liquid at rest reaches it at the wall"
             f"{_at_rest(container, liquid, level, angle)}; lower the fill, or state max_slosh_height",
             reason,
         )
-    if limit > room * (1.0 + 1e-9):  # rounding of the three lengths
+    if limit > freeboard * (1.0 + 1e-9):  # rounding of the three lengths
         stands = _at_rest(container, liquid, level, angle) if line else ""
         raise ScenarioError(
-            f"max_slosh_height {_mm(limit)} is more than the {_mm(room)} from the liquid to the rim{stands}: the cup "
-            "is too full for its own height limit; lower the fill or the limit",
+            f"max_slosh_height {_mm(limit)} is more than the {_mm(freeboard)} from the liquid to the rim{stands}: "
+            "the cup is too full for its own height limit; lower the fill or the limit",
             reason,
         )
     modes = liquid_modes(
@@ -268,10 +268,10 @@ def _solid_masses(entry: CargoTable, container: Container) -> tuple[MassProperti
     assert entry.mass is not None  # _check_keys
     total = container.solid_properties(entry.mass)
     if entry.centre_of_mass is not None:
-        total = _centred(total, np.asarray(entry.centre_of_mass))
+        total = _centre(total, np.asarray(entry.centre_of_mass))
         key, shown = "centre_of_mass", f"({', '.join(_mm(x) for x in entry.centre_of_mass)})"
     elif entry.centre_of_mass_height is not None:
-        total = _centred(total, np.array([0.0, 0.0, entry.centre_of_mass_height]))
+        total = _centre(total, np.array([0.0, 0.0, entry.centre_of_mass_height]))
         key, shown = "centre_of_mass_height", _mm(entry.centre_of_mass_height)
     else:
         return total, total
@@ -284,7 +284,7 @@ def _solid_masses(entry: CargoTable, container: Container) -> tuple[MassProperti
     return total, total
 
 
-def _filled_masses(
+def _masses_with_liquid(
     entry: CargoTable, container: Container, filling: Filling, fidelity: Fidelity
 ) -> tuple[MassProperties, MassProperties]:
     level = filling.liquid_height
@@ -301,7 +301,7 @@ def _filled_masses(
         empty_mass = 0.0 if empty_mass < _SAME_MASS * liquid_mass else empty_mass
     empty = container.shell_properties(empty_mass)
     if entry.centre_of_mass_height is not None:
-        empty = _centred(empty, _empty_centre(entry.centre_of_mass_height, container, frozen, empty_mass))
+        empty = _centre(empty, _empty_centre(entry.centre_of_mass_height, container, frozen, empty_mass))
     return mass_at_rest(container, empty, frozen, homogeneous=fidelity == "deliverable"), empty
 
 
@@ -331,7 +331,7 @@ def _check_height(key: str, shown: str, height: float, rim: float) -> None:
         )
 
 
-def _centred(body: MassProperties, centre: np.ndarray) -> MassProperties:
+def _centre(body: MassProperties, centre: np.ndarray) -> MassProperties:
     return dataclasses.replace(body, centre=read_only(centre))
 
 

@@ -117,9 +117,9 @@ def loaded(carrier: Cargo, content: Sequence[Cargo]) -> Cargo:
     known = [item.tolerance for item in content if item.tolerance is not None and item.filling is not None]
     if not known:
         return full
-    own = carrier.tolerance or Tolerance()
+    stated = carrier.tolerance or Tolerance()
     tolerance = replace(
-        own,
+        stated,
         liquid_height=max(item.liquid_height for item in known),
         damping=(min(item.damping[0] for item in known), max(item.damping[1] for item in known)),
         pinned=any(item.pinned for item in known),

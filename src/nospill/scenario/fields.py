@@ -90,7 +90,7 @@ class Measured:
         raise refuse(f"{shown} has no unit: {bare}, and this is {sense} {limit}; write {' or '.join(meanings)}")
 
     def _range(self, unit: str) -> str:
-        """The bounds in words and in one unit, as the value beside them."""
+        """The bounds in words and in one unit, as the value next to them."""
         bounds = (
             ("above", self.above),
             ("at least", self.at_least),

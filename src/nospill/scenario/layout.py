@@ -30,7 +30,7 @@ def layout_faults(cargo: Sequence[Cargo], tray: Tray) -> list[Fault]:
             faults.append(
                 (
                     f"cargo {as_written(item.name)}",
-                    f"at ({at}) stands {_shown(out)} over the edge of the tray (size {sides}); "
+                    f"at ({at}) stands {_length_text(out)} over the edge of the tray (size {sides}); "
                     "move it in or use a larger tray",
                 )
             )
@@ -38,19 +38,19 @@ def layout_faults(cargo: Sequence[Cargo], tray: Tray) -> list[Fault]:
             faults.append(
                 (
                     f"cargo {as_written(item.name)}",
-                    f"tolerance.position {_shown(item.tolerance.position)} takes it "
-                    f"{_shown(out + item.tolerance.position)} over the edge of the tray; "
-                    f"at most {_shown(max(-out, 0.0))} is allowed where it stands, or move it in",
+                    f"tolerance.position {_length_text(item.tolerance.position)} takes it "
+                    f"{_length_text(out + item.tolerance.position)} over the edge of the tray; "
+                    f"at most {_length_text(max(-out, 0.0))} is allowed where it stands, or move it in",
                 )
             )
     for first, second in combinations(cargo, 2):
         depth, height = _deepest(first, second)
         if depth > _TOUCHING:
-            where = f" at a height of {_shown(height)}" if height > 0.0 else ""
+            where = f" at a height of {_length_text(height)}" if height > 0.0 else ""
             faults.append(
                 (
                     f"cargo {as_written(second.name)}",
-                    f"overlaps {as_written(first.name)} by {_shown(depth)}{where}; move them apart",
+                    f"overlaps {as_written(first.name)} by {_length_text(depth)}{where}; move them apart",
                 )
             )
     return faults
@@ -77,13 +77,13 @@ def _deepest(first: Cargo, second: Cargo) -> tuple[float, float]:
     heights, shares = _sections(first.container, second.container, (first.seat, second.seat))
     if not len(heights):
         return -np.inf, 0.0
-    depth = np.array([_overlap(first, second, own, other) for own, other in shares])
+    depth = np.array([_overlap(first, second, part, other) for part, other in shares])
     at = int(np.argmax(depth))
     return float(depth[at]), float(heights[at])
 
 
 def _overlap(first: Cargo, second: Cargo, own: float, other: float) -> float:
-    """How far two horizontal sections overlap that are so large beside their footprints, m."""
+    """How far two horizontal sections overlap that are so large in comparison with their footprints, m."""
     rounding = own * first.container.footprint.rounding + other * second.container.footprint.rounding
     return rounding - _distance(footprint_core(first, own), footprint_core(second, other))
 
@@ -164,5 +164,5 @@ def _distance_to_polygon(point: np.ndarray, corners: np.ndarray) -> float:
     return float(np.linalg.norm(point - nearest, axis=1).min())
 
 
-def _shown(length: float) -> str:
+def _length_text(length: float) -> str:
     return format_quantity(length, "length", digits=3)

@@ -69,7 +69,7 @@ def read_scenario(path: str | os.PathLike[str], *, settings: Sequence[str] = ())
     """
     label = os.fsdecode(path)
     file = _locate(label)
-    table = with_settings(_parsed(file, label), settings)
+    table = with_settings(_parse(file, label), settings)
     return scene_from_table(table, name=file.stem, folder=file.parent, label=_label(label, settings))
 
 
@@ -112,7 +112,7 @@ def _locate(label: str) -> Path:
     raise report(label, [("", f"no such file, and no bundled example of that name; {hint}")])
 
 
-def _parsed(file: Path, label: str) -> dict[str, Any]:
+def _parse(file: Path, label: str) -> dict[str, Any]:
     try:
         return tomllib.loads(bounded_text(file, _LARGEST_FILE))
     except UnreadableError as error:

@@ -46,11 +46,13 @@ def _fault(detail: ErrorDetails, table: Mapping[str, Any]) -> Fault:
     if detail["type"] == "union_tag_not_found":
         key, tables = ("type", PATH_TABLES) if location[0] == "path" else ("shape", _ENTRIES[str(location[0])])
         return place, f"{subject} has no {key}; choose one of {listed([as_written(tag) for tag in tables])}"
-    own = _table_model("path") if model in PATH_TABLES.values() else model
+    table_model = _table_model("path") if model in PATH_TABLES.values() else model
 
     def owner(key: str) -> str | None:
         tables = ((name, _table_model(name)) for name in Scenario.model_fields)
-        return next((name for name, other in tables if other not in (None, own) and key in keys_of(other)), None)
+        return next(
+            (name for name, other in tables if other not in (None, table_model) and key in keys_of(other)), None
+        )
 
     return place, sentence(detail, keys, model, subject=subject, owner=owner)
 

@@ -136,7 +136,7 @@ _JerkWeight = Annotated[
     OptionalQuantity,
     Measured(dimension="number", at_least=0.0, at_most=1.0),
     Field(
-        description="weight of the mean square of the jerk, beside the duration in seconds; "
+        description="weight of the mean square of the jerk, added to the duration in seconds; "
         "when left out, as much as adds some thousandths to the cost at any duration"
     ),
 ]

@@ -46,7 +46,7 @@ def read_obstacles(
     Raises:
         ScenarioError: an entry contradicts itself or the rest; names it.
     """
-    found: list[Obstacle] = []
+    obstacles: list[Obstacle] = []
     faults: list[Fault] = []
     owners = {item.name: f"cargo {as_written(item.name)}" for item in cargo} | {
         name: f"the {name}" for name in RESERVED_NAMES
@@ -63,12 +63,12 @@ def read_obstacles(
         except ScenarioError as error:
             faults.append((place, str(error)))
             continue
-        fault = _fault(obstacle, robot, path) or _held_place(obstacle, passed)
+        fault = _fault(obstacle, robot, path) or _place_in_obstacle(obstacle, passed)
         faults += [(place, fault)] if fault else []
-        found.append(obstacle)
+        obstacles.append(obstacle)
     if faults:
         raise report(label, faults)
-    return tuple(found)
+    return tuple(obstacles)
 
 
 def _fault(obstacle: Obstacle, robot: Robot, path: Path) -> str | None:
@@ -76,31 +76,30 @@ def _fault(obstacle: Obstacle, robot: Robot, path: Path) -> str | None:
     foot, _ = base_pose(robot.urdf)
     depth = -obstacle.distance(foot)
     if depth > 1e-9:
-        return (
-            f"swallows the foot of the arm, {_point(foot)}, which is {_shown(depth)} inside; the arm must stand outside"
-        )
+        inside = f"{_point(foot)}, which is {_length(depth)} inside"
+        return f"swallows the foot of the arm, {inside}; the arm must stand outside"
     ends = path.at(np.array([0.0, 1.0]))[:, :3]
     for name, end in zip(("start", "end"), ends, strict=True):
         short = obstacle.clearance - obstacle.distance(end)
         if short > 1e-9:
             gap = obstacle.distance(end)
-            where = f"{_shown(-gap)} inside it" if gap < 0.0 else f"{_shown(gap)} from it"
+            where = f"{_length(-gap)} inside it" if gap < 0.0 else f"{_length(gap)} from it"
             return (
                 f"stands in the way of the path's {name} {_point(end)}: the tray's centre is {where} there; "
-                f"the clearance {_shown(obstacle.clearance)} must be kept: move the obstacle or the path"
+                f"the clearance {_length(obstacle.clearance)} must be kept: move the obstacle or the path"
             )
     return None
 
 
-def _held_place(obstacle: Obstacle, passed: Sequence[Via]) -> str | None:
+def _place_in_obstacle(obstacle: Obstacle, passed: Sequence[Via]) -> str | None:
     """Why the tray cannot pass a place on its way."""
     for item in passed:
         gap = obstacle.distance(np.array(item.position))
         if gap + item.radius < obstacle.clearance - 1e-9:
-            where = f"{_shown(-gap)} inside it" if gap < 0.0 else f"{_shown(gap)} from it"
+            where = f"{_length(-gap)} inside it" if gap < 0.0 else f"{_length(gap)} from it"
             return (
                 f"holds via {as_written(item.name)} {_point(np.array(item.position))}: that is {where}, the tray's "
-                f"centre passes it within {_shown(item.radius)}, and the clearance {_shown(obstacle.clearance)} must "
+                f"centre passes it within {_length(item.radius)}, and the clearance {_length(obstacle.clearance)} must "
                 "be kept: move one of them"
             )
     return None
@@ -110,5 +109,5 @@ def _point(point: np.ndarray) -> str:
     return "(" + ", ".join(format_quantity(float(value), "length", digits=4) for value in point) + ")"
 
 
-def _shown(length: float) -> str:
+def _length(length: float) -> str:
     return format_quantity(length, "length", digits=3)

@@ -95,12 +95,12 @@ def _union(brackets: str, objects: list[Schema]) -> Iterator[Section]:
     if shared:
         yield Section(f"Every `{brackets}`", "", shared, required)
     for item in objects:
-        own = {name: value for name, value in item["properties"].items() if name not in shared}
-        tags = [f'`{name} = "{value["const"]}"`' for name, value in own.items() if "const" in value]
+        of_kind = {name: value for name, value in item["properties"].items() if name not in shared}
+        tags = [f'`{name} = "{value["const"]}"`' for name, value in of_kind.items() if "const" in value]
         yield Section(
             f"`{brackets}` with {', '.join(tags)}" if tags else f"`{brackets}`: {item.get('title', '')}",
             item.get("description", ""),
-            own,
+            of_kind,
             frozenset(item.get("required", ())),
         )
 
@@ -208,7 +208,7 @@ def bounds_text(value: Schema, schema: Schema) -> Iterator[str]:
             "below": item.get("exclusiveMaximum"),
             "at most": item.get("maximum"),
         }
-        text = ", ".join(f"{word} {_shown(bound, units)}" for word, bound in words.items() if bound is not None)
+        text = ", ".join(f"{word} {_value_text(bound, units)}" for word, bound in words.items() if bound is not None)
         if text:
             yield text
         if "maxLength" in item:
@@ -217,7 +217,7 @@ def bounds_text(value: Schema, schema: Schema) -> Iterator[str]:
             yield "1 to 64 letters, digits, - and _" if "{1,64}" in item["pattern"] else f"`{item['pattern']}`"
 
 
-def _shown(number: float, units: tuple[str, ...] | None) -> str:
+def _value_text(number: float, units: tuple[str, ...] | None) -> str:
     if not units or units[0] == "%":  # a bare ratio is a fraction
         return f"{number:g}"
     if units[0] == "rad" and abs(number) < _LARGE_ANGLE:
@@ -238,7 +238,7 @@ def default_text(name: str, value: Schema, required: frozenset[str]) -> str:
     if isinstance(default, list):
         return "`[" + ", ".join(f"{entry:g}" for entry in default) + "]`"
     if isinstance(default, float):
-        return _shown(default, units)
+        return _value_text(default, units)
     return f"`{json.dumps(default)}`"
 
 

@@ -89,7 +89,7 @@ def fill_reason(
         volume: m^3 up to a level; where the volume is stated instead of the level.
     """
     rise = 0.2 * rim if max_slosh_height is None else max_slosh_height
-    room = rim - liquid_height
+    freeboard = rim - liquid_height
     changes: list[Change] = []
 
     def offer(key: str, value: float, now: float, dimension: str = "length") -> None:
@@ -98,11 +98,11 @@ def fill_reason(
             Change(f"fill of {name}", f"cargo.{name}.{key}", value, f"{key} {new} instead of {old} ({name})")
         )
 
-    if room > 0.0 and max_slosh_height is not None:
-        offer("max_slosh_height", room, max_slosh_height)
+    if freeboard > 0.0 and max_slosh_height is not None:
+        offer("max_slosh_height", freeboard, max_slosh_height)
     level = min(rim - rise, heaviest)
     if level > 0.0 and volume is None:
         offer("liquid_height", level, liquid_height)
     elif level > 0.0 and volume is not None:
         offer("liquid_volume", volume(level), volume(liquid_height), "volume")
-    return Reason(REST, "fill", name, excess=rise - room, unit="m", changes=tuple(changes))
+    return Reason(REST, "fill", name, excess=rise - freeboard, unit="m", changes=tuple(changes))

@@ -61,8 +61,8 @@ def details_of(error: ValidationError) -> list[ErrorDetails]:
     missing = {detail["loc"] for detail in found if detail["type"] == "missing"}
     unknown = [detail["loc"] for detail in found if detail["type"] == "extra_forbidden"]
     for place in unknown:
-        beside = [str(other[-1]) for other in missing if other[:-1] == place[:-1]]
-        missing.discard((*place[:-1], nearest(str(place[-1]), beside, likeness=0.7) or ""))
+        siblings = [str(other[-1]) for other in missing if other[:-1] == place[:-1]]
+        missing.discard((*place[:-1], nearest(str(place[-1]), siblings, likeness=0.7) or ""))
     kept = [detail for detail in found if detail["type"] != "missing" or detail["loc"] in missing]
     return sorted(kept, key=lambda detail: detail["type"] != "extra_forbidden")
 
@@ -158,10 +158,10 @@ def _tag(context: Mapping[str, Any]) -> str:
     key, choices = context["discriminator"].strip("'"), re.findall(r"'([^']*)'", context["expected_tags"])
     near = nearest(str(context["tag"]), choices)
     hint = f'; did you mean "{near}"?' if near else ""
-    return f"has the unknown {key} {as_written(context['tag'])}; choose one of {_quoted(choices)}{hint}"
+    return f"has the unknown {key} {as_written(context['tag'])}; choose one of {_quote(choices)}{hint}"
 
 
-def _quoted(choices: Iterable[str]) -> str:
+def _quote(choices: Iterable[str]) -> str:
     return listed([as_written(choice) for choice in choices])
 
 

@@ -119,12 +119,12 @@ def _put_into_list(entries: list[Any], keys: Sequence[str | int], value: object,
         return
     index = _index(entries, named, first)
     if index is None and not rest and isinstance(value, dict) and above in _LISTS and not str(first).isdecimal():
-        entries.append(_named(value, str(first), place))
+        entries.append(_entry_by_name(value, str(first), place))
     elif index is None:
         wants_key = not rest and value is not None
         raise ScenarioError(f"{place}: {_NO_KEY if wants_key else _nobody(str(first), '', list(named), above)}")
     elif not rest:
-        entries[index] = _replaced(entries[index], value, place)
+        entries[index] = _replace(entries[index], value, place)
     elif isinstance(entries[index], dict):
         _put(entries[index], rest, value, place, f"{above}.{first}")
     else:
@@ -133,20 +133,20 @@ def _put_into_list(entries: list[Any], keys: Sequence[str | int], value: object,
         )
 
 
-def _replaced(entry: object, value: object, place: str) -> object:
+def _replace(entry: object, value: object, place: str) -> object:
     """What stands in the place of an entry: a table under its name, nothing, or another value in a list of values."""
     if not isinstance(entry, dict) or value is None:
         return value
     if not isinstance(value, dict):
         raise ScenarioError(f"{place}: {_NO_KEY}")
-    return _named(value, entry["name"], place) if _is_named(entry) else value
+    return _entry_by_name(value, entry["name"], place) if _is_named(entry) else value
 
 
 def _is_named(entry: object) -> bool:
     return isinstance(entry, dict) and isinstance(entry.get("name"), str)
 
 
-def _named(entry: Any, name: str, place: str) -> dict[str, Any]:
+def _entry_by_name(entry: Any, name: str, place: str) -> dict[str, Any]:
     """An entry under the name by which its place calls it."""
     given = entry.get("name", name)
     if given != name:

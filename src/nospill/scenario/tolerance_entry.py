@@ -93,7 +93,7 @@ _OF_LIQUIDS = ("liquid_height", "damping", "pinned", "contact_angle")
 def tolerance_of(
     cargo: Cargo,
     general: ToleranceTable | None,
-    own: ToleranceTable | None,
+    object_table: ToleranceTable | None,
     *,
     fidelity: Fidelity,
 ) -> Tolerance | None:
@@ -104,27 +104,27 @@ def tolerance_of(
             starts with the key.
         ModelError: the slosh model does not cover a fill in the range.
     """
-    for key in _OF_LIQUIDS if own is not None and cargo.filling is None else ():
-        if getattr(own, key) is not None:
+    for key in _OF_LIQUIDS if object_table is not None and cargo.filling is None else ():
+        if getattr(object_table, key) is not None:
             raise ScenarioError(f"tolerance.{key} is given but liquid is not; leave it out for a solid object")
-    if own is not None and own.mass is not None and cargo.empty.mass == 0.0:
+    if object_table is not None and object_table.mass is not None and cargo.empty.mass == 0.0:
         raise ScenarioError(
             "tolerance.mass is given for a container without mass; give mass or empty_mass, or leave it out"
         )
     values = {}
     for key in ToleranceTable.model_fields:
-        stated = [getattr(table, key) for table in (own, general) if table is not None]
+        stated = [getattr(table, key) for table in (object_table, general) if table is not None]
         value = next((value for value in stated if value is not None), None)
         if value is not None and not (cargo.filling is None and key in _OF_LIQUIDS):
             values[key] = value
     line = "" if cargo.filling is None else cargo.filling.contact_line
-    if own is not None and own.pinned and line != "free":
+    if object_table is not None and object_table.pinned and line != "free":
         raise ScenarioError(f'tolerance.pinned is for contact_line = "free" ({as_written(line or None)} is given)')
     if line != "free":
         values.pop("pinned", None)
     angle = None if cargo.filling is None else cargo.filling.contact_angle
     if angle is None:
-        if own is not None and own.contact_angle:
+        if object_table is not None and object_table.contact_angle:
             raise ScenarioError(
                 "tolerance.contact_angle is given but contact_angle is not; state it, or leave this out"
             )

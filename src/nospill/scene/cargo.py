@@ -198,7 +198,7 @@ class Cargo:
 
 
 def titles_of(cargo: Sequence[Cargo]) -> dict[str, str]:
-    """What objects are called, by name; a name beside the label where two have the same one."""
+    """What objects are called, by name; a name next to the label where two have the same one."""
     titles = [item.title for item in cargo]
     return {item.name: item.title if titles.count(item.title) == 1 else f"{item.title} ({item.name})" for item in cargo}
 

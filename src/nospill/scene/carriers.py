@@ -73,7 +73,7 @@ def carrying(carrier: Cargo, content: Sequence[Cargo]) -> Cargo:
     Raises:
         ScenarioError: the sides of a box with liquid are not parallel to the carrier's.
     """
-    empty = combine_bodies([carrier.empty, *(_moved(item.empty, item, carrier) for item in content)])
+    empty = combine_bodies([carrier.empty, *(_move(item.empty, item, carrier) for item in content)])
     few = tuple(
         with_modes(item, min(item.filling.modes.count, CARRIED_MODES)) if item.filling else item for item in content
     )
@@ -84,12 +84,12 @@ def with_content(carrier: Cargo, content: tuple[Cargo, ...], empty: MassProperti
     """A carrier with other liquids in it; `empty`: carrier and objects without liquid, carrier frame."""
     filled = [(item, item.filling) for item in content if item.filling is not None]
     frozen = [
-        _moved(frozen_liquid(item.container, filling.liquid, filling.liquid_height), item, carrier)
+        _move(frozen_liquid(item.container, filling.liquid, filling.liquid_height), item, carrier)
         for item, filling in filled
     ]
     mass, first_moment, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
     for item, filling in filled:
-        fixed = _moved(filling.fixed, item, carrier)
+        fixed = _move(filling.fixed, item, carrier)
         mass += fixed.mass
         first_moment = first_moment + fixed.mass * fixed.centre
         inertia = inertia + fixed.inertia + fixed.mass * parallel_axis(fixed.centre)
@@ -186,7 +186,7 @@ def _place(item: Cargo, carrier: Cargo) -> np.ndarray:
     return _turn(-carrier.yaw) @ (item.place - carrier.place)
 
 
-def _moved(body: MassProperties, item: Cargo, carrier: Cargo) -> MassProperties:
+def _move(body: MassProperties, item: Cargo, carrier: Cargo) -> MassProperties:
     """A body in the frame of what stands in a carrier, in the carrier's frame."""
     turn = _turn(item.yaw - carrier.yaw)
     return MassProperties(body.mass, _place(item, carrier) + turn @ body.centre, turn @ body.inertia @ turn.T)

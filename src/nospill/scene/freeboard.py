@@ -43,23 +43,23 @@ def default_slosh_height(
     Returns:
         m; negative where the meniscus takes all.
     """
-    room = container.height - level
+    freeboard = container.height - level
     if contact_line:
-        room -= max(meniscus_in(container, liquid, level, contact_angle).rise, 0.0)
-    if not isinstance(container, Vessel) or room <= 0.0:
-        return (1.0 - reserve) * room
-    return _on_a_slope(container, level, reserve, room)
+        freeboard -= max(meniscus_in(container, liquid, level, contact_angle).rise, 0.0)
+    if not isinstance(container, Vessel) or freeboard <= 0.0:
+        return (1.0 - reserve) * freeboard
+    return _on_a_slope(container, level, reserve, freeboard)
 
 
 @lru_cache(maxsize=512)
-def _on_a_slope(vessel: Vessel, level: float, reserve: float, room: float) -> float:
+def _on_a_slope(vessel: Vessel, level: float, reserve: float, freeboard: float) -> float:
     from scipy.optimize import brentq
 
-    upright = (1.0 - reserve) * room
+    upright = (1.0 - reserve) * freeboard
     above = vessel.meridian.points
     above = np.vstack([(vessel.section(level).radius, level), above[above[:, 1] > level]])
     way = float(np.sum(np.linalg.norm(np.diff(above, axis=0), axis=1)))
-    wanted = reserve * way + (vessel.height - level - room)
+    wanted = reserve * way + (vessel.height - level - freeboard)
 
     def spare(crest: float) -> float:
         return edge_of_plane(vessel, level, crest).along_wall - wanted

@@ -1,4 +1,4 @@
-"""Limits that a scene has beside those of its scenario: given from Python, or saved with a plan and not at hand."""
+"""Limits that a scene has beyond those of its scenario: given from Python, or saved with a plan and not at hand."""
 
 from __future__ import annotations
 

@@ -52,25 +52,25 @@ class Meridian:
     @property
     def points(self) -> np.ndarray:
         """Points close enough to draw straight lines between, (n, 2), m."""
-        return _drawn(self)
+        return _polygon(self)
 
     def wetted(self, level: float) -> list[np.ndarray]:
         """The pieces below `level` (m): coefficients (k, 4, 2) of k cubics each, powers of a parameter from 0 to 1."""
-        found = []
+        pieces = []
         for piece in _cubics(self):
             above = np.flatnonzero(piece.sum(axis=1)[:, 1] >= level)
             if not len(above):
-                found.append(piece)
+                pieces.append(piece)
                 continue
             last = int(above[0])
-            end = _reached(piece[last], level)
+            end = _parameter_at(piece[last], level)
             if end > 0.0:
                 cut = piece[last] * (end ** np.arange(4.0))[:, None]
-                found.append(np.concatenate([piece[:last], cut[None]]))
+                pieces.append(np.concatenate([piece[:last], cut[None]]))
             elif last:
-                found.append(piece[:last])
+                pieces.append(piece[:last])
             break
-        return found
+        return pieces
 
     def radius(self, level: float) -> float:
         """Radius of the inside at a height in m, m; beyond its ends that at the end."""
@@ -85,7 +85,7 @@ class Meridian:
 
     def widest(self, level: float) -> float:
         """Largest radius below a height in m, m."""
-        return max(float(np.max(_sampled(piece)[:, 0])) for piece in self.wetted(level))
+        return max(float(np.max(_sample(piece)[:, 0])) for piece in self.wetted(level))
 
     def volume(self, level: float) -> float:
         """Volume inside up to a height in m, m^3."""
@@ -178,26 +178,32 @@ def check_meridian(meridian: Meridian, key: str = "profile") -> None:
     points = meridian.points
     start, lowest = points[0], points[int(np.argmin(points[:, 1]))]
     if abs(start[0]) > _SAME:
-        raise ScenarioError(f"{key} starts at {_shown(start)}: its first point must be on the axis, r = 0")
+        raise ScenarioError(f"{key} starts at {_point_text(start)}: its first point must be on the axis, r = 0")
     if lowest[1] < -_SAME:
-        raise ScenarioError(f"{key} goes below zero at {_shown(lowest)}: z is counted from the tray; shift it up")
+        raise ScenarioError(f"{key} goes below zero at {_point_text(lowest)}: z is counted from the tray; shift it up")
     inner = points[1:]
     on_axis = np.flatnonzero(inner[:, 0] <= _SAME)
     if len(on_axis) and on_axis[0] < len(inner) - 1:
-        raise ScenarioError(f"{key} comes back to the axis at {_shown(inner[on_axis[0]])}: only its ends may be there")
+        raise ScenarioError(
+            f"{key} comes back to the axis at {_point_text(inner[on_axis[0]])}: only its ends may be there"
+        )
     crossing = _crossing(points)
     if crossing is not None:
-        raise ScenarioError(f"{key} crosses itself near {_shown(crossing)}: give the points in order, bottom to rim")
+        raise ScenarioError(
+            f"{key} crosses itself near {_point_text(crossing)}: give the points in order, bottom to rim"
+        )
     falls = np.flatnonzero(np.diff(points[:, 1]) < -_SAME)
     if len(falls):
         raise ScenarioError(
-            f"{key} goes down after {_shown(points[falls[0]])}: an undercut traps air and a raised bottom is not "
+            f"{key} goes down after {_point_text(points[falls[0]])}: an undercut traps air and a raised bottom is not "
             "modelled; z must never fall from one point to the next"
         )
     if not points[-1][1] > points[0][1] + _SAME:
         raise ScenarioError(f"{key} has no height: its rim must be above its bottom")
     if len(on_axis):
-        raise ScenarioError(f"{key} ends on the axis at {_shown(points[-1])}: the vessel is closed; end at an open rim")
+        raise ScenarioError(
+            f"{key} ends on the axis at {_point_text(points[-1])}: the vessel is closed; end at an open rim"
+        )
 
 
 @lru_cache(maxsize=256)
@@ -222,13 +228,13 @@ def _cubic(points: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=256)
-def _drawn(meridian: Meridian) -> np.ndarray:
+def _polygon(meridian: Meridian) -> np.ndarray:
     parts = [np.array([meridian.pieces[0][0]])]
-    parts += [_sampled(piece)[1:] for piece in _cubics(meridian)]
+    parts += [_sample(piece)[1:] for piece in _cubics(meridian)]
     return read_only(np.concatenate(parts))
 
 
-def _sampled(piece: np.ndarray) -> np.ndarray:
+def _sample(piece: np.ndarray) -> np.ndarray:
     """Points (n, 2) along a piece, its ends and joints among them."""
     straight = not np.any(piece[:, 2:])
     part = np.linspace(0.0, 1.0, 2 if straight else _SAMPLES + 1)[1:]
@@ -245,7 +251,7 @@ def _at_nodes(piece: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return place, slope
 
 
-def _reached(cubic: np.ndarray, level: float) -> float:
+def _parameter_at(cubic: np.ndarray, level: float) -> float:
     """Parameter at which a rising cubic (4, 2) reaches a height."""
     z = cubic[:, 1]
     if z[0] >= level:
@@ -274,7 +280,7 @@ def _cross(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
 
 
-def _shown(point: np.ndarray) -> str:
+def _point_text(point: np.ndarray) -> str:
     r, z = (format_quantity(float(x) if math.isfinite(x) else 0.0, "length", digits=4) for x in point)
     return f"r = {r}, z = {z}"
 

@@ -98,7 +98,7 @@ def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity) -> Cargo:
         return with_content(changed, content, empty)
     if cargo.filling is None:
         return changed
-    filling = _refilled(cargo, cargo.filling, by)
+    filling = _refill(cargo, cargo.filling, by)
     frozen = frozen_liquid(cargo.container, filling.liquid, filling.liquid_height)
     total = mass_at_rest(cargo.container, empty, frozen, homogeneous=fidelity == "deliverable")
     return replace(changed, filling=filling, total=total)
@@ -113,16 +113,16 @@ def _in_carrier(item: Cargo, by: Perturbation, *, certain: bool, fidelity: Fidel
     if item.filling is None or (allowed is None and not certain):
         return item
     if allowed is None:
-        own = replace(by, friction=0.0, position=(0.0, 0.0), mass=0.0)
-        return perturbed(item, own, fidelity=fidelity)
+        within = replace(by, friction=0.0, position=(0.0, 0.0), mass=0.0)
+        return perturbed(item, within, fidelity=fidelity)
     low, high = allowed.damping
-    own = Perturbation(
+    within = Perturbation(
         liquid_height=float(np.clip(by.liquid_height, -allowed.liquid_height, allowed.liquid_height)),
         damping=float(np.clip(by.damping, low, high)),
         pinned=by.pinned and allowed.pinned,
         contact_angle=float(np.clip(by.contact_angle, -allowed.contact_angle, allowed.contact_angle)),
     )
-    return perturbed(item, own, fidelity=fidelity)
+    return perturbed(item, within, fidelity=fidelity)
 
 
 def _heavier(body: MassProperties, added: float, container: Container) -> MassProperties:
@@ -133,7 +133,7 @@ def _heavier(body: MassProperties, added: float, container: Container) -> MassPr
     return container.shell_properties(mass)
 
 
-def _refilled(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
+def _refill(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
     slowest = filling.modes.slowest
     level = filling.liquid_height + by.liquid_height
     line = "pinned" if by.pinned else filling.contact_line
@@ -166,13 +166,13 @@ def _swing(cargo: Cargo, filling: Filling, by: Perturbation) -> Swing | None:
     stated = filling.initial_swing
     if stated is None:
         return None
-    found = stated.of(by.of_liquid)
-    if found is None:
+    swing = stated.of(by.of_liquid)
+    if swing is None:
         raise ModelError(
             f"initial_swing is not known of {cargo.name} with {by.text(cargo)}: give it in initial_swing.variant, as "
             "`nospill plan --after` does, or leave that tolerance out"
         )
-    return found
+    return swing
 
 
 def without_swing(cargo: Cargo) -> Cargo:
@@ -193,11 +193,11 @@ def _highest(cargo: Cargo, filling: Filling, level: float, contact_angle: float 
         contact_line=filling.contact_line,
     )
     stated, before = filling.max_slosh_height, cargo.container.height - filling.liquid_height
-    room = cargo.container.height - level
+    freeboard = cargo.container.height - level
     if stated >= (1.0 - _ROUNDING) * before:
-        return room
+        return freeboard
     if abs(stated - default(filling.liquid_height, contact_angle=filling.contact_angle)) > _ROUNDING * before:
-        return min(stated, room)
+        return min(stated, freeboard)
     highest = default(level, contact_angle=contact_angle)
     if highest <= 0.0:
         raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: the liquid at rest reaches the rim at the wall")

@@ -59,28 +59,28 @@ def corner_scenes(scene: Scene) -> Iterator[Corner]:
         return
     by_object = variants_by_object(scene)
     for speed in (1.0, *scene.motion.speeds):
-        families = [[item for item in own if item.speed == speed] for own in by_object]
+        families = [[item for item in variants if item.speed == speed] for variants in by_object]
         for number in range(max(map(len, families))):
             chosen = tuple(
-                own[min(number, len(own) - 1)].cargo if own else stated
-                for own, stated in zip(families, scene.cargo, strict=True)
+                variants[min(number, len(variants) - 1)].cargo if variants else stated
+                for variants, stated in zip(families, scene.cargo, strict=True)
             )
-            texts = {own[number].name: own[number].text for own in families if number < len(own)}
-            same = all(own is stated for own, stated in zip(chosen, scene.cargo, strict=True))
+            texts = {variants[number].name: variants[number].text for variants in families if number < len(variants)}
+            same = all(variants is stated for variants, stated in zip(chosen, scene.cargo, strict=True))
             yield Corner(scene if same else replace(scene, cargo=chosen), texts, speed)
 
 
 def heaviest(scene: Scene) -> tuple[Cargo, ...]:
     """The cargo, each object as heavy as its tolerance allows, at its stated place."""
-    return tuple(_loaded(cargo, 1.0, fidelity=scene.fidelity) for cargo in scene.cargo)
+    return tuple(_load_carrier(cargo, 1.0, fidelity=scene.fidelity) for cargo in scene.cargo)
 
 
 def greatest_mass(cargo: Cargo, *, fidelity: Fidelity) -> float:
     """Greatest mass of an object with its liquid that its tolerance allows, kg."""
-    return _loaded(cargo, 1.0, fidelity=fidelity).total.mass
+    return _load_carrier(cargo, 1.0, fidelity=fidelity).total.mass
 
 
-def _loaded(cargo: Cargo, sign: float, *, fidelity: Fidelity) -> Cargo:
+def _load_carrier(cargo: Cargo, sign: float, *, fidelity: Fidelity) -> Cargo:
     tolerance = cargo.tolerance
     if tolerance is None:
         return cargo

@@ -92,7 +92,7 @@ def variants(cargo: Cargo, *, fidelity: Fidelity, speeds: Sequence[float] = ()) 
     """
     planned = _variants(cargo, fidelity)
     ends = speeds if cargo.oscillators else sorted({*speeds[:1], *speeds[-1:]}, reverse=True)
-    slowed = [_slowed(item, speed) for speed in ends for item in planned]
+    slowed = [_slow_down(item, speed) for speed in ends for item in planned]
     return (*planned, *slowed)
 
 
@@ -101,7 +101,7 @@ def speed_text(speed: float) -> str:
     return f"{100.0 * speed:.4g} % of the speed"
 
 
-def _slowed(item: Variant, speed: float) -> Variant:
+def _slow_down(item: Variant, speed: float) -> Variant:
     parts = (item.text, speed_text(speed))
     return replace(item, text=", ".join(part for part in parts if part), speed=speed)
 
@@ -197,7 +197,7 @@ def _between(frequency: Callable[[float], float], most: float, count: int, fines
         count: of changes on each side at which the frequency is looked at.
         finest: to which they are rounded.
     """
-    found: list[float] = []
+    between: list[float] = []
     for end in (-most, most):
         changes = np.linspace(0.0, end, count)
         frequencies = [frequency(by) for by in changes.tolist()]
@@ -205,8 +205,8 @@ def _between(frequency: Callable[[float], float], most: float, count: int, fines
         wanted = np.linspace(frequencies[0], frequencies[-1], max(steps, 1) + 1)[1:-1]
         order = np.argsort(frequencies)
         levels = np.interp(wanted, np.array(frequencies)[order], changes[order])
-        found += [round(float(level) / finest) * finest for level in levels]
-    return tuple(found)
+        between += [round(float(level) / finest) * finest for level in levels]
+    return tuple(between)
 
 
 def _slowest(cargo: Cargo, filling: Filling) -> float:

@@ -1,4 +1,4 @@
-"""A predicted height beside a measured one: their clocks aligned, their differences in figures."""
+"""A predicted height compared with a measured one: their clocks aligned, their differences in figures."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def predicted_heights(source: str | os.PathLike[str]) -> Heights:
 
 
 def _best_shift(predicted: Heights, measured: Heights, *, signed: bool) -> float:
-    ours, theirs = _resampled(predicted, "predicted", signed=signed), _resampled(measured, "measured", signed=signed)
+    ours, theirs = _resample(predicted, "predicted", signed=signed), _resample(measured, "measured", signed=signed)
     lags, value = _normalised_correlation(ours, theirs)
     best = int(np.argmax(value))
     lag = float(lags[best])
@@ -137,7 +137,7 @@ def _best_shift(predicted: Heights, measured: Heights, *, signed: bool) -> float
     return measured.t[0] - predicted.t[0] + lag * ALIGNMENT_STEP
 
 
-def _resampled(heights: Heights, label: str, *, signed: bool) -> np.ndarray:
+def _resample(heights: Heights, label: str, *, signed: bool) -> np.ndarray:
     count = int((heights.t[-1] - heights.t[0]) / ALIGNMENT_STEP) + 1
     if count > _MOST_SAMPLES:
         raise ScenarioError(f"{label}: {heights.t[-1] - heights.t[0]:.4g} s is too long to be aligned; cut it")

@@ -81,9 +81,9 @@ def compare_runs(
     if missing:
         raise ScenarioError(f"{place}: {missing[0]}{_HEIGHT} is missing beside {missing[0]}{_MOTION}")
     cargo = read_cup(cup)
-    found = []
+    comparisons = []
     for name in names:
-        motion = _held(read_motion(place / f"{name}{_MOTION}"))
+        motion = _hold(read_motion(place / f"{name}{_MOTION}"))
 
         def predicted(item: Cargo, motion: Motion = motion) -> Heights:
             return simulate_slosh(
@@ -98,14 +98,14 @@ def compare_runs(
             ).heights
 
         measured = read_heights(place / f"{name}{_HEIGHT}")
-        own = compare(predicted(cargo), measured, signed=azimuth is not None)
-        corners = [own.predicted]
+        comparison = compare(predicted(cargo), measured, signed=azimuth is not None)
+        corners = [comparison.predicted]
         for corner in _corners(cargo):
             other = predicted(corner)
-            at_times = np.interp(own.t, other.t, other.height)
+            at_times = np.interp(comparison.t, other.t, other.height)
             corners.append(at_times if azimuth is not None else np.abs(at_times))
-        found.append(RunComparison(name, own, np.min(corners, axis=0), np.max(corners, axis=0)))
-    return tuple(found)
+        comparisons.append(RunComparison(name, comparison, np.min(corners, axis=0), np.max(corners, axis=0)))
+    return tuple(comparisons)
 
 
 def _corners(cargo: Cargo) -> Iterator[Cargo]:
@@ -120,7 +120,7 @@ def _corners(cargo: Cargo) -> Iterator[Cargo]:
                 yield perturbed(cargo, Perturbation(liquid_height=rise, damping=factor), fidelity="full")
 
 
-def _held(motion: Motion) -> Motion:
+def _hold(motion: Motion) -> Motion:
     """The motion with its last pose kept for a part of its duration."""
     poses = np.hstack([motion.position, motion.quaternion])
     left, arrived = (np.max(np.abs(poses - poses[end]), axis=1) > _STILL for end in (0, -1))

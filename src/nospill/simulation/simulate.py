@@ -115,14 +115,14 @@ def simulate_slosh(
         ModelError: somewhere the apparent gravity does not press the liquid into the container, or it does not stay in.
     """
     reading = reading_of(model)
-    cargo = _filled(container, reading.modes if modes is None else modes)
+    cargo = _container_with_modes(container, reading.modes if modes is None else modes)
     motion = checked_motion(t, position, quaternion)
     if azimuth is not None and cargo.shape == "box":
         raise ScenarioError("azimuth: a box has corners; heights at an azimuth are of round containers")
-    return _simulated(cargo, motion, corrected=_is_corrected(height), gravity=gravity, azimuth=azimuth, reading=reading)
+    return _simulate(cargo, motion, corrected=_is_corrected(height), gravity=gravity, azimuth=azimuth, reading=reading)
 
 
-def _simulated(
+def _simulate(
     cargo: Cargo, motion: Motion, *, corrected: bool, gravity: float, azimuth: float | None, reading: Reading
 ) -> SloshSimulation:
     assert cargo.filling is not None  # _filled
@@ -144,7 +144,7 @@ def _simulated(
     steps = step_sequence(runge_kutta_step(rate, states=2 * count, inputs=9, parameters=0))
 
     def solve(refinement: int) -> np.ndarray:
-        grid = _divided(motion.t, per_sample * refinement)
+        grid = _divide(motion.t, per_sample * refinement)
         body = body_rows(spline, grid, gravity)
         check_pressed(grid, body, filling.liquid_height)
         displaced, moving = cargo.initial_coordinates
@@ -168,7 +168,7 @@ def _simulated(
     )
 
 
-def _filled(container: Cargo | Mapping[str, Any] | str | os.PathLike[str], modes: int) -> Cargo:
+def _container_with_modes(container: Cargo | Mapping[str, Any] | str | os.PathLike[str], modes: int) -> Cargo:
     """The container with the wanted number of modes, and yaw modes if it is a box: any motion may turn it."""
     if isinstance(modes, bool) or not isinstance(modes, int | np.integer) or not 1 <= modes <= _LARGEST_MODE_COUNT:
         raise ScenarioError(f"modes = {modes}: a whole number from 1 to {_LARGEST_MODE_COUNT} is needed")
@@ -197,7 +197,7 @@ def _check_rate(motion: Motion, modes: SloshModes) -> None:
         )
 
 
-def _divided(t: np.ndarray, parts: int) -> np.ndarray:
+def _divide(t: np.ndarray, parts: int) -> np.ndarray:
     """Every interval of `t` (m,) cut into equal parts: ((m - 1) parts + 1,)."""
     inside = t[:-1, None] + np.diff(t)[:, None] * (np.arange(parts) / parts)
     return np.append(inside.ravel(), t[-1])

@@ -77,14 +77,14 @@ def _path(kind: str, path: Path | None) -> dict[Key, Any]:
     """Keys of another type of path, through points of the old one."""
     values: dict[Key, Any] = {("path", key): None for key in _ABOUT_PATH}
     start, quarter, middle, last_quarter, end = _points(path)
-    own: dict[str, dict[str, Any]] = {
+    by_kind: dict[str, dict[str, Any]] = {
         "preset": {"name": "arc"},
         "line": {"start": start, "end": end},
         "arc": {"start": start, "through": middle, "end": end},
         "waypoints": {"points": [start, quarter, middle, last_quarter, end]},
         "free": {"start": {"position": start}, "goal": {"position": end}, "yaw": None},
     }
-    return values | {("path", "type"): kind} | {("path", key): value for key, value in own[kind].items()}
+    return values | {("path", "type"): kind} | {("path", key): value for key, value in by_kind[kind].items()}
 
 
 def _points(path: Path | None) -> list[list[float]]:
@@ -96,28 +96,28 @@ def _points(path: Path | None) -> list[list[float]]:
 
 def _shape(draft: Draft, key: Key, shape: str) -> dict[Key, Any]:
     """As wide as before, as far as its sides can be read."""
-    own = key[:-1]
-    entry = draft.value(own)
+    entry_key = key[:-1]
+    entry = draft.value(entry_key)
     if shape == entry.get("shape"):
         return {}
     radius = _length(entry.get("bottom_radius"), _SOME_LENGTH / 2)
     width = _length(entry.get("length"), 2 * _length(entry.get("radius"), radius))
     height = _length(entry.get("height"), 2 * _SOME_LENGTH)
     gone = {"yaw", *size_keys(entry.get("shape"))}
-    values: dict[Key, Any] = {(*own, side): None for side in gone}
+    values: dict[Key, Any] = {(*entry_key, side): None for side in gone}
     # Where there is a flat bottom, it is the base.
     flat = bool({"bottom_radius", "profile"} & set(size_keys(shape)))
     for side in size_keys(shape):
         if side == "base_radius" and flat:
             continue
         if side in _PARTS_OF_WIDTH:
-            values[(*own, side)] = millimetres(_PARTS_OF_WIDTH[side] * width)
+            values[(*entry_key, side)] = millimetres(_PARTS_OF_WIDTH[side] * width)
         elif side in _PARTS_OF_HEIGHT:
-            values[(*own, side)] = millimetres(_PARTS_OF_HEIGHT[side] * height)
+            values[(*entry_key, side)] = millimetres(_PARTS_OF_HEIGHT[side] * height)
         elif side == "height":
-            values[(*own, side)] = entry.get("height", millimetres(height))
+            values[(*entry_key, side)] = entry.get("height", millimetres(height))
         elif side == "profile":
-            values[(*own, side)] = [[0.0, 0.0], [width / 2, 0.0], [width / 2, height]]
+            values[(*entry_key, side)] = [[0.0, 0.0], [width / 2, 0.0], [width / 2, height]]
     return values | {key: shape}
 
 
@@ -135,18 +135,22 @@ _PARTS_OF_HEIGHT = {"bowl_height": 0.5, "shoulder_height": 0.7}
 
 
 def _liquid(draft: Draft, key: Key, liquid: str) -> dict[Key, Any]:
-    own = key[:-1]
-    entry = draft.value(own)
+    entry_key = key[:-1]
+    entry = draft.value(entry_key)
     if liquid == OWN_LIQUID:
         return {}
     if liquid == NO_LIQUID:
-        values: dict[Key, Any] = {(*own, gone): None for gone in _ABOUT_LIQUID}
-        return values | ({(*own, "mass"): _SOME_MASS} if entry.get("mass") is None else {})
+        values: dict[Key, Any] = {(*entry_key, gone): None for gone in _ABOUT_LIQUID}
+        return values | ({(*entry_key, "mass"): _SOME_MASS} if entry.get("mass") is None else {})
     values = {key: liquid}
     if entry.get("liquid_height") is None and entry.get("liquid_volume") is None:
         half = millimetres(_length(entry.get("height"), 2 * _SOME_LENGTH) / 2)
-        values |= {(*own, "liquid_height"): half, (*own, "centre_of_mass"): None, (*own, "centre_of_mass_height"): None}
-        values |= {(*own, "mass"): None, (*own, "empty_mass"): "30 g"}
+        values |= {
+            (*entry_key, "liquid_height"): half,
+            (*entry_key, "centre_of_mass"): None,
+            (*entry_key, "centre_of_mass_height"): None,
+        }
+        values |= {(*entry_key, "mass"): None, (*entry_key, "empty_mass"): "30 g"}
     return values
 
 

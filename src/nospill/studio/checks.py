@@ -73,7 +73,7 @@ def check(table: Mapping[str, Any]) -> Check:
     try:
         scenario = Scenario.model_validate(dict(table))
     except ValidationError as error:
-        return Check(None, _refused(error, table))
+        return Check(None, _refusals(error, table))
     try:
         return Check(scene_from_table(table, name=_LABEL), ())
     except (ScenarioError, ModelError) as error:
@@ -83,7 +83,7 @@ def check(table: Mapping[str, Any]) -> Check:
     return Check(None, (first, *others))
 
 
-def _refused(error: ValidationError, table: Mapping[str, Any]) -> tuple[Fault, ...]:
+def _refusals(error: ValidationError, table: Mapping[str, Any]) -> tuple[Fault, ...]:
     """What pydantic found; its locations tell the place, except for the tags of unions in them."""
     details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
     return tuple(
@@ -140,17 +140,17 @@ def _cargo_faults(scenario: Scenario, table: Mapping[str, Any]) -> list[Fault]:
         tool=Tool(np.array(scenario.tray.offset), scenario.tray.yaw_on_flange),
         mass=scenario.tray.mass,
     )
-    return faults + [_placed(where, text, table) for where, text in layout_faults(cargo, tray)]
+    return faults + [_locate(where, text, table) for where, text in layout_faults(cargo, tray)]
 
 
 def _from_sentence(line: str, table: Mapping[str, Any]) -> Fault:
     """The fault of a reader's line "studio: place: text (and 2 more mistakes)"."""
     line = _MORE.sub("", line.removeprefix(f"{_LABEL}: "))
     match = _PLACE.match(line)
-    return _placed(match["place"], match["text"], table) if match else Fault((), line, "")
+    return _locate(match["place"], match["text"], table) if match else Fault((), line, "")
 
 
-def _placed(where: str, text: str, table: Mapping[str, Any]) -> Fault:
+def _locate(where: str, text: str, table: Mapping[str, Any]) -> Fault:
     kind, _, called = where.partition(" ")
     if kind in ("cargo", "obstacle"):
         places = [entry_place(kind, index, entry) for index, entry in enumerate(table[kind])]

@@ -1,6 +1,6 @@
 """The controls of one tab, laid out in one panel: what is answered above, the tray and the rest in tabs below.
 
-One panel and not two, so that a window of any width has the same controls and leaves room for the scene.
+One panel and not two, so that a window of any width has the same controls and leaves space for the scene.
 """
 
 from __future__ import annotations

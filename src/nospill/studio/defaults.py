@@ -49,12 +49,12 @@ def all_keys() -> frozenset[str]:
 @cache
 def _values() -> dict[tuple[str, str], str]:
     """Defaults that are values, by table and key, as the page of all keys has them."""
-    schema, found = scenario_schema(), {}
+    schema, defaults = scenario_schema(), {}
     for section in sections(schema):
         match = _TABLE.match(section.place)
         table = match[1] if match else ""
         for name, value in section.rows.items():
             text = default_text(name, value, section.required)
             if text not in _NO_VALUE:
-                found[table, name] = text.strip("`").strip('[]"')
-    return found
+                defaults[table, name] = text.strip("`").strip('[]"')
+    return defaults

@@ -146,18 +146,18 @@ def export_plan(plan: Plan, choice: str, *, rate: float | None = None) -> Downlo
         if choice == PLAN_FOLDER:
             target = Path(work) / name
             plan.save(target)
-            return Download(f"{name}.zip", _zipped(target), f"{name}.zip: {plan.message}")
+            return Download(f"{name}.zip", _zip(target), f"{name}.zip: {plan.message}")
         exporter = exporter_named(choice)
         target = Path(work) / f"{name}{exporter.suffixes[0]}"
         done = hand_over(plan, exporter, target, rate=rate)
         verdict = f"{done.certificate.word} as its receiver plays it"
         message = f"{target.name}: {done.samples} samples at {done.rate:.6g} Hz, {verdict}"
         if target.is_dir():
-            return Download(f"{target.name}.zip", _zipped(target), message)
+            return Download(f"{target.name}.zip", _zip(target), message)
         return Download(target.name, target.read_bytes(), message)
 
 
-def _zipped(folder: Path) -> bytes:
+def _zip(folder: Path) -> bytes:
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for file in sorted(folder.rglob("*")):

@@ -60,15 +60,15 @@ class Draft:
 
     def value(self, key: Key) -> Any:
         """The value at a place, None where there is none."""
-        found: Any = self.table
+        value: Any = self.table
         for part in key:
-            if isinstance(found, dict):
-                found = found.get(str(part))
-            elif isinstance(found, list) and isinstance(part, int) and part < len(found):
-                found = found[part]
+            if isinstance(value, dict):
+                value = value.get(str(part))
+            elif isinstance(value, list) and isinstance(part, int) and part < len(value):
+                value = value[part]
             else:
                 return None
-        return found
+        return value
 
     def change(self, values: Mapping[Key, Any], *, step: object = None) -> bool:
         """Put values in their places, None to remove a key; tables on the way are made, emptied ones stay.

@@ -89,11 +89,11 @@ def place_objects(table: Mapping[str, Any]) -> list[Placed]:
         if overlap(bodies[first], bodies[second]) > _TOUCHING:
             met[first].append(names[second])
             met[second].append(names[first])
-    found = []
+    placed = []
     for index, body in bodies.items():
         out = overhang(body, tray) if tray is not None and not body.carrier else 0.0
         radius = body.container.footprint.rounding
-        found.append(
+        placed.append(
             Placed(
                 index=index,
                 label=names[index],
@@ -106,7 +106,7 @@ def place_objects(table: Mapping[str, Any]) -> list[Placed]:
                 overlaps=tuple(met[index]),
             )
         )
-    return found
+    return placed
 
 
 def free_place(table: Mapping[str, Any], entry: Mapping[str, Any]) -> tuple[float, float]:
@@ -140,18 +140,18 @@ def at_of_entry(table: Mapping[str, Any], index: int, place: tuple[float, float]
 
 def _bodies(table: Mapping[str, Any]) -> dict[int, Cargo]:
     """The bodies of all entries that can be read, by their index, those in carriers at their places on the tray."""
-    found = {index: body for index, entry in enumerate(table["cargo"]) if (body := _body(entry)) is not None}
-    for index, body in found.items():
+    bodies = {index: body for index, entry in enumerate(table["cargo"]) if (body := _body(entry)) is not None}
+    for index, body in bodies.items():
         entry = table["cargo"][index]
         carrier = _carrier(table, entry)
         if carrier is not None:
             place = carrier.position + _turn(carrier.yaw) @ body.position
             seat = quantity(entry["seat_height"], "length") if _readable(entry.get("seat_height")) else 0.0
             yaw = carrier.yaw + body.yaw
-            found[index] = replace(body, position=place, yaw=yaw, carrier=carrier.name, seat=seat)
+            bodies[index] = replace(body, position=place, yaw=yaw, carrier=carrier.name, seat=seat)
         # whose carrier is meant is told by its name
-        found[index] = replace(found[index], name=str(entry.get("name", index)))
-    return found
+        bodies[index] = replace(bodies[index], name=str(entry.get("name", index)))
+    return bodies
 
 
 def _carrier(table: Mapping[str, Any], entry: Mapping[str, Any]) -> Cargo | None:

@@ -1,4 +1,4 @@
-"""Planning beside the studio: a planner in a thread of its own, where it stands, and how it is stopped.
+"""Planning in parallel to the studio: a planner in a thread of its own, where it stands, and how it is stopped.
 
 CasADi lets other threads run while it solves, and IPOPT locks its linear solver, so sessions plan at the same time;
 more than there are cores would only hold each other up, so the others wait, and say so.

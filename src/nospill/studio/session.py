@@ -177,7 +177,7 @@ class Session:
             self._refresh(edited=False)
 
     def _add_object(self, entry: Mapping[str, Any]) -> None:
-        """Add an object where there is room for it, on the tray itself."""
+        """Add an object where there is space for it, on the tray itself."""
         entry = {key: value for key, value in entry.items() if key not in ("carrier", "seat_height")}
         x, y = free_place(self.draft.table, entry)
         self.draft.add({**entry, "at": [millimetres(x), millimetres(y)]})

@@ -49,9 +49,9 @@ class DragReport:
 def read_drag(text: str, *, objects: int) -> DragReport | None:
     """The report in the text field; None where it is none of ours or of an object there is not."""
     try:
-        found = json.loads(text)
-        index, ended, count = found["object"], found["end"], found["count"]
-        at = None if found["x"] is None else (float(found["x"]) / 1e3, float(found["y"]) / 1e3)
+        report = json.loads(text)
+        index, ended, count = report["object"], report["end"], report["count"]
+        at = None if report["x"] is None else (float(report["x"]) / 1e3, float(report["y"]) / 1e3)
     except (ValueError, TypeError, KeyError):
         return None
     if type(index) is not int or type(ended) is not bool or type(count) is not int or not 0 <= index < objects:

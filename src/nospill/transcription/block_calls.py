@@ -174,11 +174,11 @@ class BlockCalls:
     def _of_tray(self, name: str) -> Any:
         """A function of the tray's block on all stages."""
         function = getattr(self._stage.tray.block, name)
-        return _mapped(function, self._intervals, SHARED_OF_TRAY[name])
+        return _map_function(function, self._intervals, SHARED_OF_TRAY[name])
 
     def _of_object(self, item: PlacedObject, name: str) -> Any:
         """A function of an object's block on all stages."""
-        return _mapped(getattr(item.block, name), self._intervals, SHARED_OF_OBJECT[name])
+        return _map_function(getattr(item.block, name), self._intervals, SHARED_OF_OBJECT[name])
 
 
 def jacobian_parts(stage: StageFunctions) -> Stacked:
@@ -210,7 +210,7 @@ def row_parts(stage: StageFunctions) -> tuple[Stacked, np.ndarray, np.ndarray]:
 
 
 @lru_cache(maxsize=256)
-def _mapped(function: Any, count: int, shared: tuple[int, ...]) -> Any:
+def _map_function(function: Any, count: int, shared: tuple[int, ...]) -> Any:
     one_by_one = columns_at_once(function, shared) == 1
     threads = min(_MOST_THREADS, thread_count()) if one_by_one else 1
     return over_columns(function, count, list(shared), threads=threads)

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nospill.collisions.along_path import room_bounds
+from nospill.collisions.along_path import slack_bounds
 from nospill.collisions.bodies import Body
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.collisions.planes import planes, reaching
@@ -259,15 +259,15 @@ class _NearPlanes:
 
 
 def _near_planes(pair: Pair, frames: JointFrames, within: float) -> _NearPlanes:
-    near = np.flatnonzero(room_bounds([pair], frames)[0] < within)
+    near = np.flatnonzero(slack_bounds([pair], frames)[0] < within)
     normals, offsets, gaps = planes(pair, frames, near)
-    room = gaps - pair.limit
+    slack = gaps - pair.limit
     found = np.zeros((len(near), NUMBERS))
     found[:, NORMAL], found[:, ACROSS] = normals, _across(normals)
     found[:, OFFSET] = offsets
     if pair.second.shape.kind != "halfspace":
-        found[:, OFFSET] -= np.maximum(room, 0.0) / 2  # in the middle of what is left between the two
-    return _NearPlanes(near[room < within], found[room < within])
+        found[:, OFFSET] -= np.maximum(slack, 0.0) / 2  # in the middle of what is left between the two
+    return _NearPlanes(near[slack < within], found[slack < within])
 
 
 def _of_half_space(pair: Pair, row: RowId, plane: _NearPlanes, number: int, motion: MotionRules) -> _Beside:

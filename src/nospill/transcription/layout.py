@@ -19,7 +19,7 @@ class Layout:
     """Sizes and slices of a stage's variables.
 
     State: chains (s; where free, theta_x and theta_y, the offset from the path along the base's x, y and z, the yaw
-    beside the path's; then the self-motion of a seven-joint arm; each value, rate, acceleration), interval length,
+    relative to the path's; then the self-motion of a seven-joint arm; each value, rate, acceleration), interval length,
     slosh displacements, slosh velocities.
     Control: jerks, slosh accelerations at both points, joint positions and their time derivatives at the node, and
     last, where the arm is kept regular, the determinant of its Jacobian.

@@ -80,9 +80,9 @@ class LiftedVariables:
         hessian = ca.triu2symm(ca.triu(hessian))
 
         for start, end, inner in self._slopes(everything):
-            jacobian = _eliminated(jacobian, start, end, inner)
-            across, own = hessian[:start, start:end] @ inner, hessian[start:end, start:end]
-            whole = hessian[:start, :start] + across + across.T + inner.T @ (own @ inner)
+            jacobian = _eliminate(jacobian, start, end, inner)
+            across, inner_block = hessian[:start, start:end] @ inner, hessian[start:end, start:end]
+            whole = hessian[:start, :start] + across + across.T + inner.T @ (inner_block @ inner)
             hessian = ca.triu2symm(ca.triu(whole))  # the other half is the same: its operations are left out
 
         written = self._written_out()
@@ -91,23 +91,23 @@ class LiftedVariables:
         for adjoint in reversed(adjoints):
             # gradient of the whole with respect to the symbol, later adjoints already known
             start = end - adjoint.numel()
-            own = ca.substitute(
+            inner_block = ca.substitute(
                 [gradient[start:end]],
                 [*self._symbols, *adjoints[len(adjoints) - len(replaced) :]],
                 [*written, *replaced],
             )[0]
-            replaced.insert(0, own)
+            replaced.insert(0, inner_block)
             end = start
         parts = [outputs, jacobian, gradient[: z.numel()], ca.triu(hessian)]
-        found = ca.substitute(parts, [*self._symbols, *adjoints], [*written, *replaced])
-        return Derivatives(found[0], found[1], found[2], found[3])
+        substituted = ca.substitute(parts, [*self._symbols, *adjoints], [*written, *replaced])
+        return Derivatives(substituted[0], substituted[1], substituted[2], substituted[3])
 
     def jacobian_sparsity(self, z: SX, outputs: SX) -> ca.Sparsity:
         """That of the Jacobian of `derivatives`, without the rest."""
         everything = ca.vertcat(z, *self._symbols)
         jacobian = ca.jacobian(outputs, everything)
         for start, end, inner in self._slopes(everything):
-            jacobian = _eliminated(jacobian, start, end, inner)
+            jacobian = _eliminate(jacobian, start, end, inner)
         return jacobian.sparsity()
 
     def _slopes(self, everything: SX) -> Iterator[tuple[int, int, SX]]:
@@ -125,7 +125,7 @@ class LiftedVariables:
         return written
 
 
-def _eliminated(jacobian: SX, start: int, end: int, slopes: SX) -> SX:
+def _eliminate(jacobian: SX, start: int, end: int, slopes: SX) -> SX:
     """J_a + J_b E: the last columns, from `start` to `end`, are of the variables with slopes E."""
     found: SX = jacobian[:, :start] + jacobian[:, start:end] @ slopes
     return found

@@ -97,10 +97,10 @@ class Transcription:
         return tuple(
             (
                 block.row,
-                (own[:, None] * self.rows_per_stage + block.first + np.arange(block.count)).ravel(),
-                np.repeat(own, block.count),
+                (stages[:, None] * self.rows_per_stage + block.first + np.arange(block.count)).ravel(),
+                np.repeat(stages, block.count),
             )
-            for own, blocks in ((nodes, self.blocks), (end, self.end_blocks))
+            for stages, blocks in ((nodes, self.blocks), (end, self.end_blocks))
             for block in blocks
         )
 
@@ -298,11 +298,14 @@ def _active_entries(triplets: Triplets, active: np.ndarray, count: int) -> tuple
 def _hessian_places(stage: StageFunctions, intervals: int) -> tuple[ca.Sparsity, list[int]]:
     """Sparsity of the whole Hessian's upper triangle, and of each nonzero its place among the stacked ones."""
     size, index, parts = stage.layout.size, np.arange(intervals)[:, None], hessian_parts(stage)
-    own, end = stage.sizes.hessian, stage.sizes.end_hessian
+    per_stage, end = stage.sizes.hessian, stage.sizes.end_hessian
     rows, columns = (
-        np.concatenate([(index * size + own[axis]).ravel(), intervals * size + end[axis]]) for axis in range(2)
+        np.concatenate([(index * size + per_stage[axis]).ravel(), intervals * size + end[axis]]) for axis in range(2)
     )
-    places = [parts.places(np.arange(len(own[0])), intervals).ravel(), parts.total(intervals) + np.arange(len(end[0]))]
+    places = [
+        parts.places(np.arange(len(per_stage[0])), intervals).ravel(),
+        parts.total(intervals) + np.arange(len(end[0])),
+    ]
     total = intervals * size + stage.layout.states
     sparsity, order = _place(rows, columns, (total, total))
     return sparsity, np.concatenate(places)[order].tolist()

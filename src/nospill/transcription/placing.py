@@ -176,13 +176,13 @@ class ParameterPlaces:
         """Of a structure."""
         numbers, layout = places(blank_numbers(structure)), layout_of(structure)
         blank = ProblemNumbers.blank(structure)
-        own = np.arange(len(flatten(blank))) + len(flatten(numbers))
-        scales = len(flatten(numbers)) + len(own)
+        of_problem = np.arange(len(flatten(blank))) + len(flatten(numbers))
+        scales = len(flatten(numbers)) + len(of_problem)
         keys = backoff_keys(structure)
         backoff = {key: scales + layout.size + index for index, key in enumerate(keys)}
         intervals = scales + layout.size + len(keys)
         degree, of_tray = piece_degree(structure), tray_keys(structure)
-        return cls(degree, structure, numbers, own, layout, scales, backoff, intervals, of_tray)
+        return cls(degree, structure, numbers, of_problem, layout, scales, backoff, intervals, of_tray)
 
     @property
     def count(self) -> int:

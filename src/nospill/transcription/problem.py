@@ -168,7 +168,7 @@ def build_problem(
     structure = replace(structure_of(scene), regular=least_determinant is not None)
     numbers = numbers_of(scene, payload)
     direction = np.zeros(len(structure.joints)) if self_motion is None else self_motion
-    own = ProblemNumbers(**jerk_weights(scene, nominal_duration, jerk_weight_factor), self_motion=direction)
+    problem_numbers = ProblemNumbers(**jerk_weights(scene, nominal_duration, jerk_weight_factor), self_motion=direction)
     rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}
     taking_part = None if active is None else frozenset(index for index, row in rows.items() if row in active)
     transcription = transcribe(structure, intervals, active=taking_part, clearance=planes.groups)
@@ -186,7 +186,7 @@ def build_problem(
         scene=scene,
         structure=structure,
         numbers=numbers,
-        own=own,
+        own=problem_numbers,
         transcription=transcription,
         parameters=np.zeros(0),
         scales=scales,
@@ -225,9 +225,9 @@ def _scales(
         limits[-1] = _SELF_MOTION_JERK
     scales[layout.jerks] = [0.3 * limit for limit in limits]
     oscillations: list[tuple[float, float]] = []
-    for item, own in zip(structure.objects, numbers.objects, strict=True):
-        height = min(own.max_slosh_height, _LARGEST_SLOSH_SCALE)
-        for directions, mode in zip(item.oscillators, own.oscillators, strict=True):
+    for item, object_numbers in zip(structure.objects, numbers.objects, strict=True):
+        height = min(object_numbers.max_slosh_height, _LARGEST_SLOSH_SCALE)
+        for directions, mode in zip(item.oscillators, object_numbers.oscillators, strict=True):
             oscillations += [(height / abs(mode.surface_gain), mode.frequency)] * len(directions)
     displacement = np.array([amplitude for amplitude, _ in oscillations])
     frequency = np.array([frequency for _, frequency in oscillations])

@@ -1,4 +1,4 @@
-"""What a problem reads beside the numbers of its scene: the weights of its cost and the direction of a free joint."""
+"""What a problem reads besides the numbers of its scene: the weights of its cost and the direction of a free joint."""
 
 from __future__ import annotations
 

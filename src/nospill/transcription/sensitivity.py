@@ -43,22 +43,22 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
         The limit is that of the scenario: with `max_slosh_height` the residual height moves too, with `friction` what
         holds objects against turning.
     """
-    found: dict[str, float] = {}
+    savings_of: dict[str, float] = {}
     known = by_name(problem.scene)
     if problem.scene.motion.duration is not None:
-        return found
+        return savings_of
     for row in rows:
         constraint = known.get(row.constraint)
         key = constraint.limit_key if constraint is not None else None
         name = (row if isinstance(key, JointKey) else RowId(row.constraint, ALL)).label
-        if name in found:
+        if name in savings_of:
             continue
-        more, less = (_changed(problem, row, key, factor) for factor in (1.0 + _STEP, 1.0 - _STEP))
+        more, less = (_scale_limit(problem, row, key, factor) for factor in (1.0 + _STEP, 1.0 - _STEP))
         if more is not None and less is not None:
-            parameters = [problem.parameters_of(own, problem.backoff) for own in (more, less)]
-            high, low = (_lagrangian(problem, solution, own) for own in parameters)
-            found[name] = -WIDER * (high - low) / (2.0 * _STEP)
-    return found
+            parameters = [problem.parameters_of(varied, problem.backoff) for varied in (more, less)]
+            high, low = (_lagrangian(problem, solution, varied) for varied in parameters)
+            savings_of[name] = -WIDER * (high - low) / (2.0 * _STEP)
+    return savings_of
 
 
 def saving_of(problem: Problem, solution: Solution, backoff: Backoff) -> float:
@@ -74,7 +74,7 @@ def _lagrangian(problem: Problem, solution: Solution, parameters: np.ndarray) ->
     return float(solution.multipliers @ problem.transcription.constraints(solution.variables, parameters))
 
 
-def _changed(problem: Problem, row: RowId, key: LimitKey | None, factor: float) -> SceneNumbers | None:
+def _scale_limit(problem: Problem, row: RowId, key: LimitKey | None, factor: float) -> SceneNumbers | None:
     """The numbers with one limit so many times as large; None where nothing is called a limit alone."""
     numbers = problem.numbers
     if isinstance(key, JointKey):
@@ -87,6 +87,6 @@ def _changed(problem: Problem, row: RowId, key: LimitKey | None, factor: float) 
     if isinstance(key, ObjectKey):
         name = _OF_OBJECTS.get(key.key, key.key)
         if name in {field.name for field in fields(ObjectNumbers)}:
-            objects = tuple(replace(own, **{name: factor * getattr(own, name)}) for own in numbers.objects)
+            objects = tuple(replace(item, **{name: factor * getattr(item, name)}) for item in numbers.objects)
             return replace(numbers, objects=objects)
     return None

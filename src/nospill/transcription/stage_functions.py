@@ -114,14 +114,14 @@ def stage_functions(structure: Structure) -> StageFunctions:
         tray, tray_variables(layout), np.array(tray_rows), parameters.of_tray(), path=path, breaks=breaks
     )
     objects = []
-    for index, (block, end, own) in enumerate(zip(blocks, ends, structure.slosh_slices, strict=True)):
-        variables = object_variables(layout, own)
+    for index, (block, end, modes) in enumerate(zip(blocks, ends, structure.slosh_slices, strict=True)):
+        variables = object_variables(layout, modes)
         objects.append(
             PlacedObject(
                 block,
                 end,
                 variables,
-                rows=np.concatenate([equality_rows(layout, own, equalities), rows.places[index]]),
+                rows=np.concatenate([equality_rows(layout, modes, equalities), rows.places[index]]),
                 end_rows=end_rows.places[index],
                 parameters=parameters.of_object(index, variables, rows.subjects[index], EvaluationPoint.OBJECT),
                 end_parameters=parameters.of_object(
@@ -139,10 +139,10 @@ def stage_functions(structure: Structure) -> StageFunctions:
         end_lower=end_rows.lower,
         end_upper=end_rows.upper,
         end_blocks=end_rows.blocks,
-        jacobian=_joined([_on(placed.rows, placed.variables, tray.jacobian), *_object_jacobians(layout, objects)]),
-        hessian=_joined([_on(placed.variables, placed.variables, tray.hessian), *_object_hessians(layout, objects)]),
-        end_jacobian=_joined([_on(item.end_rows, item.end_variables, item.end.jacobian) for item in objects]),
-        end_hessian=_joined([_on(item.end_variables, item.end_variables, item.end.hessian) for item in objects]),
+        jacobian=_join([_on(placed.rows, placed.variables, tray.jacobian), *_object_jacobians(layout, objects)]),
+        hessian=_join([_on(placed.variables, placed.variables, tray.hessian), *_object_hessians(layout, objects)]),
+        end_jacobian=_join([_on(item.end_rows, item.end_variables, item.end.jacobian) for item in objects]),
+        end_hessian=_join([_on(item.end_variables, item.end_variables, item.end.hessian) for item in objects]),
     )
     return StageFunctions(layout, sizes, backoff_keys(structure), placed, tuple(objects))
 
@@ -167,7 +167,7 @@ def _on(rows: np.ndarray, columns: np.ndarray, triplets: Triplets) -> Triplets:
     return rows[triplets[0]], columns[triplets[1]]
 
 
-def _joined(parts: Iterable[Triplets]) -> Triplets:
+def _join(parts: Iterable[Triplets]) -> Triplets:
     table = [np.zeros((2, 0), dtype=int), *(np.array(part) for part in parts)]
     rows, columns = np.concatenate(table, axis=1)
     return rows, columns

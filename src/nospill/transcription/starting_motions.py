@@ -113,7 +113,7 @@ def motion_along(scene: Scene, joint_path: JointPath, chains: Sequence[np.ndarra
     """
     intervals, layout = len(chains[0]) - 1, layout_of(structure_of(scene))
     table = np.zeros((intervals + 1, layout.size))
-    closed = [_closed(chain, duration / intervals) for chain in chains]
+    closed = [_close(chain, duration / intervals) for chain in chains]
     s, rate = closed[0][0][:, 0], closed[0][0][:, 1]
     slopes = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T
     joints, speeds = joint_path.at(np.clip(s, 0.0, 1.0)), slopes * rate[:, None]
@@ -121,7 +121,7 @@ def motion_along(scene: Scene, joint_path: JointPath, chains: Sequence[np.ndarra
     if direction is not None:
         change = np.gradient(speeds @ direction, duration / intervals)
         own = np.column_stack([joints @ direction, speeds @ direction, change])
-        closed.append(_closed(own, duration / intervals))
+        closed.append(_close(own, duration / intervals))
     for index, (states, jerks) in enumerate(closed):
         table[:, 3 * index : 3 * index + 3] = states
         table[:-1, layout.jerks.start + index] = jerks
@@ -140,7 +140,7 @@ def coarse_start(scene: Scene, joint_path: JointPath, start: Start = USUAL_START
     return smooth_start(scene, joint_path, max(_COARSEST, scene.planning.intervals // 4, fewest), start)
 
 
-def _closed(states: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
+def _close(states: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
     """States (N + 1, 3) and jerks (N,) of a chain near the given states, each state following from the one before.
 
     The jerks are the differences of the accelerations, with the least change that leads to the given end.

@@ -67,6 +67,6 @@ def path_parameter_rates(path: Path, place: np.ndarray, speed: np.ndarray, accel
     length = np.concatenate([[0.0], np.cumsum(0.5 * (slope[1:] + slope[:-1]) * np.diff(s))])
     bend = np.sum(first * second, axis=1) / slope
     at = np.interp(place * length[-1], length, s)
-    own, change = np.interp(at, s, slope), np.interp(at, s, bend)
-    rate = speed * length[-1] / own
-    return np.column_stack([at, rate, (acceleration * length[-1] - change * rate**2) / own])
+    slope_at, change = np.interp(at, s, slope), np.interp(at, s, bend)
+    rate = speed * length[-1] / slope_at
+    return np.column_stack([at, rate, (acceleration * length[-1] - change * rate**2) / slope_at])

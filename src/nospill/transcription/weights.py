@@ -29,13 +29,13 @@ def jerk_weights(scene: Scene, duration: float, jerk_weight_factor: float = 1.0)
         jerk_weight_factor: factor on all of them.
     """
     if scene.motion.duration is not None:
-        found = dict.fromkeys(_NAMES, _ALL_THAT_COUNTS * _SMOOTHNESS * duration**7)
+        weights = dict.fromkeys(_NAMES, _ALL_THAT_COUNTS * _SMOOTHNESS * duration**7)
     else:
         usual = min(_SMOOTHNESS * duration**7, _LARGEST)
         stated = {name: getattr(scene.planning, name) for name in _NAMES}
-        found = {name: usual if weight is None else weight for name, weight in stated.items()}
-    found = {name: jerk_weight_factor * weight for name, weight in found.items()}
-    return found | {"offset_jerk_weight": found["path_jerk_weight"] / scene.path_length**2}
+        weights = {name: usual if weight is None else weight for name, weight in stated.items()}
+    weights = {name: jerk_weight_factor * weight for name, weight in weights.items()}
+    return weights | {"offset_jerk_weight": weights["path_jerk_weight"] / scene.path_length**2}
 
 
 def jerk_cost_dominates(scene: Scene, expected: float, found: float) -> bool:

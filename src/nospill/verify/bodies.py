@@ -26,7 +26,7 @@ _LEAST_OWN_FRACTION = 0.1
 """Of the whole mass: a container lighter than that gets the inertia, not the mass, of one that is. An ideal liquid has
 next to no inertia of its own, none against a turn about the axis; a weightless cup full of it rattles on rigid contacts
 at 90 % of what friction holds, and creeps by millimetres. And no principal moment is less than the least of that one's:
-what the modes along both sides of a box leave beside them can be little and far above the rim, with negative moments,
+what the modes along both sides of a box leave besides them can be little and far above the rim, with negative moments,
 with which the engine's mass matrix becomes singular in a high swing. An object that stands does not turn against the
 tray."""
 
@@ -42,7 +42,7 @@ class ModalMass:
         curvature: of the bowl, omega^2/g, 1/m; with gravity in it, the mass swings at omega.
         damping: 2 zeta omega m, N s/m.
         spring: of surface tension, N/m.
-        place: of the bowl's lowest point beside the middle of the object, m.
+        place: of the bowl's lowest point off the middle of the object, m.
     """
 
     mass: float
@@ -120,7 +120,7 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
         inertia = inertia + cargo.container.shell_properties(missing).inertia
     if oscillators:
         shell = cargo.container.shell_properties(_LEAST_OWN_FRACTION * total).inertia
-        inertia = _raised(inertia, float(np.linalg.eigvalsh(shell)[0]))
+        inertia = _raise_moments(inertia, float(np.linalg.eigvalsh(shell)[0]))
     return Body(
         name=cargo.name,
         position=cargo.position,
@@ -148,7 +148,7 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
     )
 
 
-def _raised(inertia: np.ndarray, least: float) -> np.ndarray:
+def _raise_moments(inertia: np.ndarray, least: float) -> np.ndarray:
     """The inertia (3, 3) with no principal moment below `least`, kg m^2."""
     moments, axes = np.linalg.eigh(inertia)
     return inertia if moments[0] >= least else (axes * np.maximum(moments, least)) @ axes.T

@@ -89,14 +89,14 @@ def _text(scene: Scene) -> str:
     inner = _load(scene, chain.flange_position, chain.flange_rotation, assets)
     for number in range(len(chain.bodies), 0, -1):
         body = chain.bodies[number - 1]
-        own = "".join(
+        geometry = "".join(
             f'<geom name="{item.link}:{index}" {_MOVES} {_capsule(item.ends, item.radius)}/>'
             for index, item in enumerate(capsules)
             if item.joint == number
         )
         inner = (
             f'<body {_pose(body.position, body.rotation)}><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
-            f'<joint type="hinge" axis="0 0 1"/>{own}{inner}</body>'
+            f'<joint type="hinge" axis="0 0 1"/>{geometry}{inner}</body>'
         )
     around = "".join(
         f'<geom name="{item.name}:0" {_STANDS} {_pose(item.position, item.rotation)} '

@@ -90,13 +90,13 @@ def tray_motion(joints: PlayedJoints, scene: Scene, *, step: float, before: floa
     """
     count = round((joints.end - joints.start + before + after) / step) + 1
     t = joints.start - before + step * np.arange(count)
-    found = kinematics(scene.robot).motions(
+    motion = kinematics(scene.robot).motions(
         *(joints.motion(t, order) for order in range(3)),
         tool=scene.tray.tool,
     )
-    lifted = found.acceleration + np.array([0.0, 0.0, scene.gravity])
+    lifted = motion.acceleration + np.array([0.0, 0.0, scene.gravity])
     turned = [
-        np.einsum("mji,mj->mi", found.rotation, vectors)
-        for vectors in (found.angular_velocity, found.angular_acceleration, lifted)
+        np.einsum("mji,mj->mi", motion.rotation, vectors)
+        for vectors in (motion.angular_velocity, motion.angular_acceleration, lifted)
     ]
-    return TrayMotion(t, *turned, position=found.position, rotation=found.rotation)
+    return TrayMotion(t, *turned, position=motion.position, rotation=motion.rotation)

@@ -66,10 +66,10 @@ def verify(plan: Plan, *, thresholds: Thresholds | None = None, joints: PlayedJo
     used = thresholds or Thresholds()
     given = joints or planned_joints(plan.trajectory, plan.scene, source="trajectory")
     step = STEP
-    scene, objects = _simulated(given, plan.scene, step, used)
+    scene, objects = _simulate(given, plan.scene, step, used)
     while not all(item.ok for item in objects) and step > _SHORTEST:
         step /= 2
-        scene, objects = _simulated(given, plan.scene, step, used)
+        scene, objects = _simulate(given, plan.scene, step, used)
     return VerifyReport(
         objects=objects,
         thresholds=used,
@@ -80,7 +80,7 @@ def verify(plan: Plan, *, thresholds: Thresholds | None = None, joints: PlayedJo
     )
 
 
-def _simulated(
+def _simulate(
     joints: PlayedJoints, scene: Scene, step: float, thresholds: Thresholds
 ) -> tuple[Stage, tuple[ObjectReport, ...]]:
     set_up = stage(joints, scene, step)

@@ -1,7 +1,7 @@
 """Charts beside the scene, an SVG picture each, the same in the live viewer and in the file.
 
 Four a plan over the same time: which limits hold the motion back and when, heights of the liquids, use of the contact
-limits, joint speeds; limits are drawn and named. They stand in as many columns as there is room for, so that their text
+limits, joint speeds; limits are drawn and named. They stand in as many columns as fit, so that their text
 keeps its size. The cursor over them is placed by three properties of a style sheet, so that nothing else is sent while
 time goes on.
 """
@@ -26,7 +26,7 @@ _NARROWEST, _WIDEST = 290, 420
 _LEFT, _RIGHT, _PANEL, _TITLE, _KEY, _AXIS = 34, 8, 84, 15, 12, 15
 _LANE, _SHADES = 19, 16
 """Height of a lane, px; steps of its colour."""
-_BESIDE = 11.0
+_APART = 11.0
 """px; names of limits that are nearer than this stand at opposite ends."""
 _LONGEST_NAME, _NOTE = 22, 52
 """Letters of a name in the key, and of a line below it."""
@@ -209,7 +209,7 @@ def _limits(panel: Panel, height: Callable[[float], np.ndarray], at: Callable[[f
     pieces, taken = [], []
     for limit in panel.limits:
         y, start = float(height(limit.value)), at(limit.start)
-        crowded = any(abs(y - other) < _BESIDE for other in taken)
+        crowded = any(abs(y - other) < _APART for other in taken)
         x, anchor = (_LEFT + 2, "start") if crowded else ((start if limit.start else right) - 2, "end")
         if not crowded:
             taken.append(y)

@@ -24,11 +24,11 @@ def free_spot(tray: Tray, cargo: Sequence[Cargo]) -> np.ndarray:
     half = np.asarray(tray.size) / 2
     sides = [np.linspace(-end, end, _PLACES) for end in half]
     places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
-    room = np.min(half - np.abs(places), axis=1)
+    distance = np.min(half - np.abs(places), axis=1)
     for item in cargo:
         reach = float(np.max(np.linalg.norm(widest_outline(item.container), axis=1)))
-        room = np.minimum(room, np.linalg.norm(places - item.position, axis=1) - reach)
-    return places[int(np.argmax(room))]
+        distance = np.minimum(distance, np.linalg.norm(places - item.position, axis=1) - reach)
+    return places[int(np.argmax(distance))]
 
 
 def arrow(cargo: Sequence[Cargo]) -> Mesh:

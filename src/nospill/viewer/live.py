@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 LIVE_RATE = 50.0
 """Pictures per second of the live viewer."""
 _ASPECT = 1.05
-"""Width over height of the scene's part of a narrow window; a wider one shows more of what is beside the tray."""
+"""Width over height of the scene's part of a narrow window; a wider one shows more of what is around the tray."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,7 @@ def aim(server: viser.ViserServer, shown: Shown, view: View) -> bool:
     """See everything from another view, in every browser that looks on and in those to come.
 
     Returns:
-        Whether there is room for the names of the objects; they are hidden where there is none.
+        Whether there is space for the names of the objects; they are hidden where there is none.
     """
     films = [item.film for item in shown.views]
     places, camera = arrangement(films, view, aspect=_ASPECT)

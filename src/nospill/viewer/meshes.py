@@ -122,8 +122,8 @@ def _geometry(geometry: ElementTree.Element, place: Path) -> trimesh.Trimesh | N
         return None
     try:
         if shape.tag == "mesh":
-            found = _mesh_file(shape.get("filename", ""), place)
-            mesh = trimesh.load_scene(found).to_mesh()
+            file = _mesh_file(shape.get("filename", ""), place)
+            mesh = trimesh.load_scene(file).to_mesh()
             if len(mesh.faces) == 0:
                 raise ValueError("no triangles in it")
             return mesh.apply_scale(three_numbers(shape.get("scale", "1 1 1"), str(place)))

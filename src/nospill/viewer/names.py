@@ -49,7 +49,7 @@ class Letters:
 def letters_of(
     films: Sequence[Film], titles: Sequence[str], places: Sequence[np.ndarray], view: View, camera: Camera
 ) -> Letters:
-    """Letters as large as there is room for them all the time.
+    """Letters as large as there is space for them all the time.
 
     Letters in metres keep their proportion to the objects whatever the size of the window, so what is apart in one
     window is apart in all.
@@ -63,14 +63,14 @@ def letters_of(
     """
     centres, sizes = name_boxes(films, titles, places, view, camera)
     high = 2.0 * float(np.linalg.norm(camera.position - camera.look_at)) * float(np.tan(camera.angle / 2))
-    room = _LARGEST * high
+    size = _LARGEST * high
     for one, other in combinations(range(centres.shape[1]), 2):
         apart = np.abs(centres[:, one] - centres[:, other])
         needed = (sizes[:, one] + sizes[:, other]) / 2
-        room = min(room, float(np.min(np.max(apart / needed, axis=1))))
-    if room < _SMALLEST * high:
+        size = min(size, float(np.min(np.max(apart / needed, axis=1))))
+    if size < _SMALLEST * high:
         return Letters(_SMALLEST * high, _LARGEST * high, False)
-    return Letters(room, room, True)
+    return Letters(size, size, True)
 
 
 def name_boxes(
@@ -79,11 +79,11 @@ def name_boxes(
     """Lower middles (m, n, 2) of all names in the picture, m at 1 m, and sizes (m, n, 2) for letters 1 m high."""
     longest = max(films, key=lambda film: len(film.t))
     moments = longest.t[:: max(1, len(longest.t) // _MOMENTS)]
-    found = [
+    boxes = [
         _boxes(film, title, place, view, camera, [film.index(t) for t in moments])
         for film, title, place in zip(films, titles, places, strict=True)
     ]
-    centres, sizes = zip(*found, strict=True)
+    centres, sizes = zip(*boxes, strict=True)
     return np.concatenate(centres, axis=1), np.concatenate(sizes, axis=1)
 
 

@@ -111,16 +111,16 @@ def _height_limits(film: Film) -> tuple[tuple[Limit, ...], str]:
     titles = titles_of(film.plan.scene.cargo)
     heights = {titles[name]: track.limit for name, track in film.liquids.items()}
     rows = [row for row in film.judgement.certificate.rows if row.constraint == ResidualHeight.name]
-    later = _grouped({titles.get(row.subject, row.label): row.limit for row in rows}, len(film.liquids))
-    # The end has no room for names, and the limits there are near each other.
+    later = _group_limits({titles.get(row.subject, row.label): row.limit for row in rows}, len(film.liquids))
+    # The end has no space for names, and the limits there are near each other.
     limits = (
-        *(Limit(value, name) for value, name in _grouped(heights, len(film.liquids))),
+        *(Limit(value, name) for value, name in _group_limits(heights, len(film.liquids))),
         *(Limit(value, "", film.end_time) for value, _ in later),
     )
     return limits, f"limit after the end: {'; '.join(name for _, name in later)}" if later else ""
 
 
-def _grouped(limits: dict[str, float], all_of_them: int) -> list[tuple[float, str]]:
+def _group_limits(limits: dict[str, float], all_of_them: int) -> list[tuple[float, str]]:
     """Limits in mm with their text, the highest first; the objects are named where not all have the same."""
     found = []
     for value in sorted(set(limits.values()), reverse=True):

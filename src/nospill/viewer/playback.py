@@ -79,7 +79,7 @@ class Player:
             views: what is played.
             charts: drawn below the controls.
             atomic: of the server or client, so that a picture arrives whole.
-            aim: sees everything from another view, and says whether there is room for names; where there is none,
+            aim: sees everything from another view, and says whether there is space for names; where there is none,
                 there are no buttons for it.
             named: whether names are shown at first.
         """

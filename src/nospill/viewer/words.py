@@ -41,16 +41,16 @@ def _sentences(film: Film, *, alone: bool) -> str:
     back = limiting_text(
         {item.row.label: item.share for item in limiting_rows(film.judgement, film.plan.scene)}, joints
     )
-    found = [_shown(film)] if alone else []
+    sentences = [_facts_text(film)] if alone else []
     if back:
-        found.append(f"<b>What holds it back:</b> {escape(back)}.")
+        sentences.append(f"<b>What holds it back:</b> {escape(back)}.")
     saved = film.plan.savings_text
     if saved and alone:
-        found.append(f"<b>What would help:</b> {escape(saved)}.")
-    return "".join(f"<p>{sentence}</p>" for sentence in found)
+        sentences.append(f"<b>What would help:</b> {escape(saved)}.")
+    return "".join(f"<p>{sentence}</p>" for sentence in sentences)
 
 
-def _shown(film: Film) -> str:
+def _facts_text(film: Film) -> str:
     scene, certificate = film.plan.scene, film.judgement.certificate
     count = len(certificate.rows)
     if certificate.ok:

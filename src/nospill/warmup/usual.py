@@ -67,10 +67,10 @@ def usual_parts() -> Iterator[Part]:
     for fidelity, counts in _MODES.items():
         for cargo, modes in ((solids, ()), (cups, counts)):
             scenes = {tray: _scene(cargo, tray, fidelity=fidelity) for tray in _TRAYS}
-            yield from _judged_parts(structure_of(scenes[_TRAYS[0]]), cargo, fidelity)
+            yield from _judging_parts(structure_of(scenes[_TRAYS[0]]), cargo, fidelity)
             for count in modes or (0,):
-                own = {tray: structure_of(_with_modes(scene, count)) for tray, scene in scenes.items()}
-                yield from _planned_parts(own, cargo, f"{count} modes, {fidelity}" if count else fidelity)
+                structures = {tray: structure_of(_with_modes(scene, count)) for tray, scene in scenes.items()}
+                yield from _planning_parts(structures, cargo, f"{count} modes, {fidelity}" if count else fidelity)
 
 
 def _tray_parts(structure: Structure, label: str) -> Iterator[Part]:
@@ -79,7 +79,7 @@ def _tray_parts(structure: Structure, label: str) -> Iterator[Part]:
         yield Part(f"{label}: certificate", partial(tray_figures_function, tray_kind(structure), point))
 
 
-def _planned_parts(trays: Mapping[str, Structure], names: Iterable[str], label: str) -> Iterator[Part]:
+def _planning_parts(trays: Mapping[str, Structure], names: Iterable[str], label: str) -> Iterator[Part]:
     """What the problems read of the objects, on trays of either kind."""
     for index, name in enumerate(names):
         for tray, structure in trays.items():
@@ -93,7 +93,7 @@ def _planned_parts(trays: Mapping[str, Structure], names: Iterable[str], label: 
             yield Part(f"{name}, {label}, end {end}: problem", partial(end_block, replace(structure, end=end), item))
 
 
-def _judged_parts(structure: Structure, names: Iterable[str], label: str) -> Iterator[Part]:
+def _judging_parts(structure: Structure, names: Iterable[str], label: str) -> Iterator[Part]:
     """What the judge reads of the objects, all modes of their liquids."""
     for item, name in zip(structure.objects, names, strict=True):
         kind = object_kind(structure, item)

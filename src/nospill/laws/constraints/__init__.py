@@ -90,8 +90,8 @@ LIQUID_NAMES = frozenset(item.name for item in CONSTRAINTS if item.role is Role.
 OBJECT_NAMES = LIQUID_NAMES | {item.name for item in CONSTRAINTS if item.role is Role.CONTACT}
 """Names of those on objects."""
 
-BESIDE_JERK_NAMES = frozenset({TiltJerk.name, OffsetJerk.name, YawJerk.name})
-"""Names of those on the jerks by which the tray moves beside its path."""
+DEVIATION_JERK_NAMES = frozenset({TiltJerk.name, OffsetJerk.name, YawJerk.name})
+"""Names of those on the jerks by which the tray deviates from its path."""
 
 END_NAMES = frozenset(item.name for item in CONSTRAINTS if item.evaluated_at is EvaluationPoint.END)
 """Names of those on the final state."""

@@ -1,6 +1,6 @@
 """What a constraint is: name, unit, role, subjects and budgets, and the figures that planning and judging need of it.
 
-Everything that walks the constraints reads only this; no other room has a table by the names of constraints.
+Everything that walks the constraints reads only this; no other package has a table by the names of constraints.
 """
 
 from __future__ import annotations

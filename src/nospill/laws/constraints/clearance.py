@@ -53,10 +53,10 @@ def clearance_row(distance: _Values, limit: _Values, reserve: _Values) -> _Value
     return distance - limit / Clearance.least_size - reserve
 
 
-def clearance_backoff(room: Mapping[RowId, float]) -> dict[RowId, float]:
+def clearance_backoff(slack: Mapping[RowId, float]) -> dict[RowId, float]:
     """First back-off of each pair, which leaves no less than both ends of the motion have, where the arm has to be.
 
     Args:
-        room: what the ends leave above the limit, as a part of `least_size`.
+        slack: what the ends leave above the limit, as a part of `least_size`.
     """
-    return {row: min(max(own, 0.0), Clearance.backoff) for row, own in room.items()}
+    return {row: min(max(value, 0.0), Clearance.backoff) for row, value in slack.items()}

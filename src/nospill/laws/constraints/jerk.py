@@ -1,4 +1,4 @@
-"""Jerk of the path parameter and of what is free beside it, the smoothness the planner may use."""
+"""Jerk of the path parameter and of its free deviations, the smoothness the planner may use."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class OffsetJerk(Constraint):
     unit = "m/s^3"
     role = Role.TRAY
     evaluated_at = EvaluationPoint.CONTROL
-    in_words = "jerk beside the path along {subject}"
+    in_words = "jerk of the offset from the path along {subject}"
     description = "Third time derivative of the tray's offset from its path, along each axis of the base."
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
@@ -77,14 +77,14 @@ class OffsetJerk(Constraint):
 
 
 class YawJerk(Constraint):
-    """|yaw'''| <= tilt_jerk_limit, for the yaw beside the path's."""
+    """|yaw'''| <= tilt_jerk_limit, for the yaw relative to the path's."""
 
     name = "yaw jerk"
     unit = "rad/s^3"
     role = Role.TRAY
     evaluated_at = EvaluationPoint.CONTROL
     in_words = "yaw jerk"
-    description = "Third time derivative of the tray's yaw beside the path's, where it is free."
+    description = "Third time derivative of the tray's yaw relative to the path's, where it is free."
     limit_key = MotionKey("tilt_jerk_limit", "angular_jerk", largest=1e6)
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:

@@ -77,8 +77,8 @@ def _turning(item: ObjectSample) -> SX:
     little = _SMOOTH * numbers.weight
     offset = ca.vertcat(-moment[1], moment[0])
     off_centre = item.structure.footprint.eccentricity(offset, numbers.half_lengths, little)
-    room = force[2] - off_centre  # N (1 - e)
+    pressing = force[2] - off_centre  # N (1 - e)
     # Above zero, and in proportion to the forces, also where the object tips or lifts: solvers come through there.
     least = _EDGE * ca.sqrt(force[2] ** 2 + off_centre**2)
-    room = 0.5 * (room + least + ca.sqrt((room - least) ** 2 + (_ROUNDED * force[2]) ** 2 + little**2))
-    return ca.dot(moment, force) / (numbers.grip_radius * room)
+    pressing = 0.5 * (pressing + least + ca.sqrt((pressing - least) ** 2 + (_ROUNDED * force[2]) ** 2 + little**2))
+    return ca.dot(moment, force) / (numbers.grip_radius * pressing)

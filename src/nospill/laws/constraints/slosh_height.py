@@ -8,7 +8,7 @@ from nospill.scene.scene import Scene
 
 
 class SloshHeight(Constraint):
-    """Crest above the rest level <= max_slosh_height, which the reader keeps at or below the room to the rim."""
+    """Crest above the rest level <= max_slosh_height, which the reader keeps at or below the freeboard."""
 
     name = "slosh height"
     unit = "m"

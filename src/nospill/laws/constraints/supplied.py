@@ -1,4 +1,4 @@
-"""Limits given from Python beside those of the table: checked, and with errors of their own reported as theirs."""
+"""Limits given from Python in addition to the table's: checked, and with errors of their own reported as theirs."""
 
 from __future__ import annotations
 
@@ -108,13 +108,13 @@ class Supplied(Constraint):
         """
         if not self.is_of_objects:
             return self._budgets(sample, self.count)
-        found = list[tuple[Budget, ...]]()
+        budgets = list[tuple[Budget, ...]]()
         for item in sample.objects:
             if self in item.structure.constraints:
                 structure = replace(sample.structure, objects=(item.structure,))
                 numbers = replace(sample.numbers, objects=(item.numbers,))
-                found += self._budgets(Sample(structure, numbers, objects=(item,)), 1)
-        return tuple(found)
+                budgets += self._budgets(Sample(structure, numbers, objects=(item,)), 1)
+        return tuple(budgets)
 
     def _budgets(self, sample: Sample, count: int) -> tuple[tuple[Budget, ...], ...]:
         held = _ALWAYS + PARTS[self.evaluated_at]
@@ -213,7 +213,7 @@ def with_supplied(scene: Scene, constraints: Iterable[object] | None, known: Ite
         raise ScenarioError(f"constraints: a list is needed, as constraints=[MyLimit()], not {_short(constraints)}")
     supplied, taken = list[Supplied](), set(known)
     for item in constraints:
-        one = _supplied(item)
+        one = _make_supplied(item)
         if one.name in taken:
             raise ScenarioError(f'constraints: there is a constraint "{one.name}" already; give it another name')
         taken.add(one.name)
@@ -222,7 +222,7 @@ def with_supplied(scene: Scene, constraints: Iterable[object] | None, known: Ite
     return scene.with_constraints(supplied)
 
 
-def _supplied(item: object) -> Supplied:
+def _make_supplied(item: object) -> Supplied:
     if isinstance(item, type) and issubclass(item, Constraint):
         raise ScenarioError(f"constraints: {item.__name__} is a class; an instance is needed, {item.__name__}(...)")
     if isinstance(item, Supplied):  # of another scene

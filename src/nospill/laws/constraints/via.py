@@ -13,7 +13,7 @@ _WIDENING = 2.0
 """Growth of the funnel over the way along the path. With 2 no motion that passes the place is shut out: where it is at
 the distance d from the place, s may be where the path is as far from it, so that the offset is at most 2 d."""
 _FLAT = 0.05
-"""Part of the path beside the place up to which the funnel grows more slowly, so that the nodes next to it count."""
+"""Part of the path around the place up to which the funnel grows more slowly, so that the nodes next to it count."""
 
 
 class PassedPlace(Constraint):
@@ -39,10 +39,10 @@ class PassedPlace(Constraint):
         if not sample.structure.vias:
             return ()
         assert sample.offset is not None and sample.path_parameter is not None
-        found, numbers = list[tuple[Budget, ...]](), sample.numbers.via
+        budgets, numbers = list[tuple[Budget, ...]](), sample.numbers.via
         for index in range(sample.structure.vias):
             beyond, radius = (sample.path_parameter - numbers.parameter[index]) ** 2, numbers.radius[index]
             widened = (_WIDENING * numbers.way[index] * beyond) ** 2 / (beyond + _FLAT**2)
             # over its own capacity, which is a hundred times the radius far from the place
-            found.append((Cone(sample.offset / ca.sqrt(radius**2 + widened), SX(1), SX(1)),))
-        return tuple(found)
+            budgets.append((Cone(sample.offset / ca.sqrt(radius**2 + widened), SX(1), SX(1)),))
+        return tuple(budgets)

@@ -105,8 +105,8 @@ def integrate(
     states = np.empty((count + missing + 1, liquids, size))
     states[0] = starts
     for first in range(0, liquids, at_once):
-        own = np.minimum(np.arange(first, first + at_once), liquids - 1)  # the last more than once, where some miss
-        state, numbers, kept = states[0, own].T, np.asarray(parameters)[own].T, min(at_once, liquids - first)
+        chosen = np.minimum(np.arange(first, first + at_once), liquids - 1)  # the last more than once, where some miss
+        state, numbers, kept = states[0, chosen].T, np.asarray(parameters)[chosen].T, min(at_once, liquids - first)
         for begin in range(0, count, STEPS):
             part = slice(begin, begin + STEPS)
             reached = call(steps, state, *[columns[:, part] for columns in ends], durations[:, part], numbers)

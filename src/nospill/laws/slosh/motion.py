@@ -160,9 +160,9 @@ def modal_accelerations(
     """Accelerations of all modal masses of one container, (k, 1) m/s^2, from its stacked coordinates (k, 1)."""
     accelerations = [
         modal_acceleration(
-            oscillator, directions, motion, displacement[own], velocity[own], damp_against_spin=damp_against_spin
+            oscillator, directions, motion, displacement[mode], velocity[mode], damp_against_spin=damp_against_spin
         )
-        for oscillator, directions, own in zip(
+        for oscillator, directions, mode in zip(
             numbers.oscillators, structure.oscillators, structure.oscillator_slices, strict=True
         )
     ]

@@ -80,7 +80,7 @@ def free_states(
         (m, k), m and m/s.
     """
     decay, later = damping * frequency, t[:, None]
-    # A ratio of exactly 1 is the limit of those beside it.
+    # A ratio of exactly 1 is the limit of the ratios next to it.
     root = np.maximum(np.sqrt(np.abs(1.0 - damping**2)), _LEAST_ROOT)
     swings = damping < 1.0
     # Both rates of a mode that creeps; their product is omega^2.

@@ -15,7 +15,7 @@ from nospill.plans.warnings.arm import (
     no_mass,
     self_collision_off,
 )
-from nospill.plans.warnings.controller import behind_the_command, beside_its_command
+from nospill.plans.warnings.controller import behind_the_command, deviation_from_command
 from nospill.plans.warnings.fallbacks import fallback
 from nospill.plans.warnings.liquids import (
     contact_angle,
@@ -54,7 +54,7 @@ WARNINGS: tuple[Warn, ...] = (
     self_collision_off,
     estimated_touch,
     behind_the_command,
-    beside_its_command,
+    deviation_from_command,
     no_reserve,
     back_off,
     smoothness,

@@ -36,7 +36,7 @@ def behind_the_command(facts: Facts) -> Iterator[PlanWarning]:
             yield PlanWarning("tracking", name, text, most, allowed)
 
 
-def beside_its_command(facts: Facts) -> Iterator[PlanWarning]:
+def deviation_from_command(facts: Facts) -> Iterator[PlanWarning]:
     """The command is not compensated, and the tray that follows it leaves the path or leans where it is to be level.
 
     The rows about path and attitude are of the command; the distance here is that from the nearest place on the path.

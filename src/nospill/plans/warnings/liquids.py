@@ -154,19 +154,19 @@ def _other_frequency(cargo: Cargo, filling: Filling, line: ContactLine, angle: f
 def meniscus(facts: Facts) -> Iterator[PlanWarning]:
     """Where the vessel is small, the liquid that stands higher at the wall may reach the rim."""
     for cargo, filling in _fillings(facts):
-        room = cargo.container.height - filling.liquid_height - filling.max_slosh_height
+        freeboard = cargo.container.height - filling.liquid_height - filling.max_slosh_height
         if not filling.contact_line:
             continue
         rise, drop = meniscus_in(cargo.container, filling.liquid, filling.liquid_height, filling.contact_angle)
-        if rise > room + _ROUNDING:
+        if rise > freeboard + _ROUNDING:
             stands = f"at its contact angle the liquid stands {_mm(rise)} higher at the wall"
             if filling.contact_angle is None:
                 stands = f"a liquid that wets the wall stands up to {_mm(rise)} higher there"
             text = (
                 f"{stands} at rest and {_mm(drop)} lower on the axis, and max_slosh_height leaves "
-                f"{_mm(max(room, 0.0))} to the rim; liquid_height is that of a flat surface."
+                f"{_mm(max(freeboard, 0.0))} to the rim; liquid_height is that of a flat surface."
             )
-            yield PlanWarning("meniscus", cargo.name, text, rise, room)
+            yield PlanWarning("meniscus", cargo.name, text, rise, freeboard)
 
 
 def surface_tension(facts: Facts) -> Iterator[PlanWarning]:

@@ -187,12 +187,12 @@ class _Stepper:
         count = len(q)
         way = np.broadcast_to(width * rate, (count, 6)).T
         pose = pose_columns(np.broadcast_to(position, (count, 3)), np.broadcast_to(rotation, (count, 3, 3)))
-        found = evaluate(
+        corrections = evaluate(
             step_functions(self._arm, held=held is not None)["continuation"],
             [q.T, way, pose, aim_columns(held, count)],
             self._arm.shared_of(self._tool),
         )
-        changes = found.reshape(3, -1, count)
+        changes = corrections.reshape(3, -1, count)
         sizes = np.abs(changes).max(axis=1)
         good = (sizes[0] < MAX_PREDICTION) & (sizes[1] < MAX_CORRECTION) & (sizes[2] < CONTRACTION * sizes[1] + 1e-9)
         return q + changes.sum(axis=0).T, good

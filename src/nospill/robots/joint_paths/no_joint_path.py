@@ -64,22 +64,22 @@ def arrives_elsewhere(robot: Robot, path: Path, q: np.ndarray) -> ScenarioError:
         q: (m, n) of the fastest of the motions, rad.
     """
     key, stated, there = next(
-        (key, stated, own)
-        for key, stated, own in zip(("start", "goal"), path.ends, q[[0, -1]], strict=True)
-        if stated is not None and not np.allclose(stated, own, rtol=0.0, atol=_SAME_BRANCH)
+        (key, stated, joints)
+        for key, stated, joints in zip(("start", "goal"), path.ends, q[[0, -1]], strict=True)
+        if stated is not None and not np.allclose(stated, joints, rtol=0.0, atol=_SAME_BRANCH)
     )
     joint = int(np.argmax(np.abs(there - stated)))
     if key == "start":  # it begins in them but for whole turns
-        wanted, found = (f"{np.degrees(own[joint]):.0f} deg" for own in (stated, there))
+        wanted, reached = (f"{np.degrees(joints[joint]):.0f} deg" for joints in (stated, there))
         return ScenarioError(
             f"path: robot {robot.name!r} cannot follow it from the joints stated at its start: "
-            f"{robot.joints[joint]} at {wanted} would pass its limits on the way, at {found} it would not; turn it "
+            f"{robot.joints[joint]} at {wanted} would pass its limits on the way, at {reached} it would not; turn it "
             "before the motion begins, or move the path",
             Reason(ROBOT, "branch", robot.name, 0.0),
         )
-    wanted, found = (", ".join(f"{value:.0f}" for value in np.degrees(own) + 0.0) for own in (stated, there))
+    wanted, reached = (", ".join(f"{value:.0f}" for value in np.degrees(joints) + 0.0) for joints in (stated, there))
     return ScenarioError(
-        f"path: robot {robot.name!r} arrives in joints ({found}) deg along it, on another branch than goal.joints "
+        f"path: robot {robot.name!r} arrives in joints ({reached}) deg along it, on another branch than goal.joints "
         f"({wanted}) deg; give goal.position and yaw in their place, or joints of that branch",
         Reason(ROBOT, "branch", robot.name, 1.0),
     )

@@ -63,20 +63,20 @@ def paths_on_grid(
         columns.append(_configurations(robot, path, joint, place, tool))
         if not len(columns[-1]):
             return []
-    found: list[tuple[np.ndarray, np.ndarray]] = []
+    smooth_paths: list[tuple[np.ndarray, np.ndarray]] = []
     for reserve in _RESERVES:
         inside = [
             column[np.all((column >= robot.lower + reserve) & (column <= robot.upper - reserve), axis=1)]
             for column in columns
         ]
         for way in _shortest_ways(inside, robot.max_speed):
-            if all(np.abs(way[0] - q[0]).max() > _APART for q, _ in found):
+            if all(np.abs(way[0] - q[0]).max() > _APART for q, _ in smooth_paths):
                 smooth = _smoothed(robot, path, joint, places, way, s, tool=tool)
                 if smooth is not None:
-                    found.append(smooth)
-            if len(found) == _MOST:
-                return found
-    return found
+                    smooth_paths.append(smooth)
+            if len(smooth_paths) == _MOST:
+                return smooth_paths
+    return smooth_paths
 
 
 def _configurations(robot: Robot, path: Path, joint: int, place: float, tool: Tool) -> np.ndarray:
@@ -88,16 +88,16 @@ def _configurations(robot: Robot, path: Path, joint: int, place: float, tool: To
         return approximate_solutions(robot, *poses, tool=tool, held=(joint, values))
 
     values = np.linspace(robot.lower[joint], robot.upper[joint], POSITIONS)
-    found = at(values)
-    counts = [len(with_turns(robot, q)) for q in found]
+    configurations = at(values)
+    counts = [len(with_turns(robot, q)) for q in configurations]
     between = [
         np.linspace(low, high, _FINER + 1)[1:-1]
         for (low, some), (high, others) in pairwise(zip(values.tolist(), counts, strict=True))
         if some != others
     ]
     if between:
-        found += at(np.concatenate(between))
-    return with_turns(robot, np.concatenate(found))
+        configurations += at(np.concatenate(between))
+    return with_turns(robot, np.concatenate(configurations))
 
 
 def _shortest_ways(columns: list[np.ndarray], max_speed: np.ndarray) -> list[np.ndarray]:

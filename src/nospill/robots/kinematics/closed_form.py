@@ -80,7 +80,7 @@ def turn_choices(robot: Robot, lowest: np.ndarray, highest: np.ndarray) -> list[
     """Return, per joint, the whole turns that may be added to a motion from `lowest` to `highest` (n,) within limits.
 
     A joint with a range of several turns is kept within one turn of its middle: farther turns are the same motion
-    with less room.
+    with less space.
     """
     middle = 0.5 * (robot.lower + robot.upper)
     bottom = np.ceil((np.maximum(robot.lower, middle - TURN) - lowest) / TURN - 1e-12)

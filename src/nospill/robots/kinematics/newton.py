@@ -129,15 +129,15 @@ def newton(
     for iteration in range(max_iterations + 1):
         if active.size == 0:
             break
-        found = evaluate(correction, [q[active].T, pose[:, active], aim[:, active]], shared)
-        better = found[0] < error[active]
-        error[active] = found[0]
+        correction_and_error = evaluate(correction, [q[active].T, pose[:, active], aim[:, active]], shared)
+        better = correction_and_error[0] < error[active]
+        error[active] = correction_and_error[0]
         if iteration == max_iterations:
             break
         # finished: solved, and the last step brought nothing more
-        going = ~((found[0] < enough) | ((found[0] < RESIDUAL) & ~better))
+        going = ~((correction_and_error[0] < enough) | ((correction_and_error[0] < RESIDUAL) & ~better))
         active = active[going]
-        q[active] += np.clip(found[1:, going].T, -max_step, max_step)
+        q[active] += np.clip(correction_and_error[1:, going].T, -max_step, max_step)
     return q, error
 
 

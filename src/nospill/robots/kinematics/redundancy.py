@@ -78,8 +78,8 @@ def widest_direction(vectors: np.ndarray) -> np.ndarray:
     count, size = vectors.shape
     sparsity = {"h": ca.Sparsity.diag(size), "a": ca.Sparsity.dense(count, size)}
     shortest = ca.conic("direction", "daqp", sparsity, {"error_on_fail": False})
-    found = shortest(h=ca.DM.eye(size), a=vectors, lba=1.0, uba=np.inf)
-    direction = np.asarray(found["x"]).ravel()
+    solution = shortest(h=ca.DM.eye(size), a=vectors, lba=1.0, uba=np.inf)
+    direction = np.asarray(solution["x"]).ravel()
     if not shortest.stats()["success"] or np.linalg.norm(direction) > _LONGEST:
         direction = vectors.mean(axis=0)
     return direction / np.linalg.norm(direction)

@@ -154,7 +154,7 @@ class Box:
             quasi_static_gain=np.array((self.length, self.width)) / 2,
         )
         ratio = boundary_layer_damping(liquid, self, liquid_height) if damping is None else damping
-        found = slosh_model(modes, frozen, liquid=liquid, liquid_height=liquid_height, damping=ratio)
+        model = slosh_model(modes, frozen, liquid=liquid, liquid_height=liquid_height, damping=ratio)
         slowest = min(modes, key=lambda mode: mode.wave_number)
         yaw = yaw_modes(
             (self.length, self.width),
@@ -165,7 +165,7 @@ class Box:
             damping_scale=ratio / slowest.laminar_damping(liquid, liquid_height),
             most_damping=max(ratio, LARGEST_DAMPING),
         )
-        return replace(found, yaw=yaw)
+        return replace(model, yaw=yaw)
 
 
 def boundary_layer_damping(liquid: Liquid, box: Box, liquid_height: float) -> float:

@@ -174,20 +174,20 @@ class Vessel(ABC):
         # Only a vessel with liquid needs the solver, and SciPy with it.
         from nospill.scene.sloshing.revolved_modes import revolved_modes
 
-        found = revolved_modes(self.meridian, liquid_height, count)
+        solved = revolved_modes(self.meridian, liquid_height, count)
         volume, centre, _ = self.meridian.body(liquid_height)
-        fractions = found.volume[:count] / volume
+        fractions = solved.volume[:count] / volume
         # A mode that no surge moves has no place for its mass.
-        heights = np.where(fractions > _UNMOVED, found.height[:count], liquid_height)
+        heights = np.where(fractions > _UNMOVED, solved.height[:count], liquid_height)
         modes = [
             RevolvedMode(*numbers)
             for numbers in zip(
-                found.curvature[:count].tolist(),
-                found.wave_number[:count].tolist(),
+                solved.curvature[:count].tolist(),
+                solved.wave_number[:count].tolist(),
                 fractions.tolist(),
                 heights.tolist(),
-                found.surface_gain[:count].tolist(),
-                found.layer_ratio[:count].tolist(),
+                solved.surface_gain[:count].tolist(),
+                solved.layer_ratio[:count].tolist(),
                 strict=True,
             )
         ]
@@ -195,7 +195,7 @@ class Vessel(ABC):
         frozen = FrozenLiquid(
             mass=mass,
             centre_height=centre,
-            enclosed_inertia=np.full(2, liquid.density * found.inertia - mass * (liquid_height - centre) ** 2),
+            enclosed_inertia=np.full(2, liquid.density * solved.inertia - mass * (liquid_height - centre) ** 2),
             quasi_static_gain=np.full(2, self.meridian.radius(liquid_height)),
         )
         layers = modes[0].layer_damping(liquid, liquid_height)

@@ -90,12 +90,12 @@ def wall_gains(oscillators: Sequence[Oscillator]) -> np.ndarray:
     columns = []
     for mode in oscillators:
         for direction in mode.directions:
-            own = np.zeros(2 + WALL_POINTS)
+            gains = np.zeros(2 + WALL_POINTS)
             if direction == YAW:
-                own[2:] = mode.wall_gains
+                gains[2:] = mode.wall_gains
             else:
-                own["xy".index(direction)] = mode.surface_gain
-            columns.append(own)
+                gains["xy".index(direction)] = mode.surface_gain
+            columns.append(gains)
     return np.array(columns).reshape(-1, 2 + WALL_POINTS).T
 
 
@@ -118,7 +118,7 @@ class YawModes:
 
     @property
     def fixed_inertia(self) -> float:
-        """Of what is left beside the moving masses, kg m^2; with all of them in place it is `inertia`."""
+        """Of what is left besides the moving masses, kg m^2; with all of them in place it is `inertia`."""
         return self.inertia - sum(mode.mass * mode.arm**2 for mode in self.oscillators)
 
     @property

@@ -94,23 +94,23 @@ def solve_modes(
     """
     mesh = mesh_liquid(meridian, level, surface_elements, refinement=refinement)
     stiffness, turning = volume_terms(mesh, level)
-    own = np.unique(mesh.surface)
-    surface_mass, surface_stiffness = surface_terms(mesh, own)
+    surface_nodes = np.unique(mesh.surface)
+    surface_mass, surface_stiffness = surface_terms(mesh, surface_nodes)
     solve = splu(stiffness, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
-    unit = np.zeros((len(mesh.nodes), len(own)))
-    unit[own, np.arange(len(own))] = 1.0
+    unit = np.zeros((len(mesh.nodes), len(surface_nodes)))
+    unit[surface_nodes, np.arange(len(surface_nodes))] = 1.0
     influence, turned = solve(unit), solve(turning)
     # G in the basis where s is one: symmetric, so that the modes come out normal.
     factor = np.linalg.cholesky(surface_mass)
-    flexibility = influence[own]
+    flexibility = influence[surface_nodes]
     inverse, vectors = eigh(factor.T @ (flexibility + flexibility.T) / 2 @ factor)
     count = surface_elements // 4 if modes is None else modes
     kappa = 1.0 / inverse[::-1][:count]
     shapes = np.linalg.solve(factor.T, vectors[:, ::-1][:, :count])
-    surge = shapes.T @ surface_mass @ np.ones(len(own))
-    lean = shapes.T @ surface_mass @ turned[own]
-    wall = int(np.argmax(mesh.nodes[own, 0]))
-    risen = mesh.nodes[own, :1] * shapes * kappa * surge
+    surge = shapes.T @ surface_mass @ np.ones(len(surface_nodes))
+    lean = shapes.T @ surface_mass @ turned[surface_nodes]
+    wall = int(np.argmax(mesh.nodes[surface_nodes, 0]))
+    risen = mesh.nodes[surface_nodes, :1] * shapes * kappa * surge
     whole = influence @ (surface_mass @ shapes) * kappa
     return RevolvedModes(
         curvature=read_only(kappa),
@@ -200,7 +200,7 @@ def _along(mesh: MeridianMesh, edges: np.ndarray) -> Edges:
     return Edges(value, slope, radius, length * _EDGE_WEIGHTS, tangent[..., 0] / length)
 
 
-def surface_terms(mesh: MeridianMesh, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def surface_terms(mesh: MeridianMesh, surface_nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Over the surface z = f(r), in its own nodes: s, and what surface tension holds it with.
 
     With W^2 = 1 + f'^2, pi times the integrals of r^2 u v and of (r u)'(r v)'/W^3 + u v/W, both r dr; the latter is the
@@ -212,11 +212,11 @@ def surface_terms(mesh: MeridianMesh, own: np.ndarray) -> tuple[np.ndarray, np.n
     weight = weight * edges.upright
     held = np.einsum("eq,eqi,eqj->eij", weight, edges.slope, edges.slope)
     held += np.einsum("eq,qi,qj->eij", weight, edges.value, edges.value)
-    place = np.searchsorted(own, mesh.surface)
-    found = np.zeros((2, len(own), len(own)))
-    for matrix, element in zip(found, (mass, held), strict=True):
+    place = np.searchsorted(surface_nodes, mesh.surface)
+    matrices = np.zeros((2, len(surface_nodes), len(surface_nodes)))
+    for matrix, element in zip(matrices, (mass, held), strict=True):
         np.add.at(matrix, (place[:, :, None], place[:, None, :]), element)
-    return found[0], found[1]
+    return matrices[0], matrices[1]
 
 
 def _wall_dissipation(mesh: MeridianMesh, potentials: np.ndarray) -> np.ndarray:

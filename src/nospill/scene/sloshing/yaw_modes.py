@@ -109,7 +109,7 @@ def yaw_modes(
         sides: length and width, m.
         liquid: what is in it.
         liquid_height: h, m.
-        count: of half waves along either side that are carried beside the first along the other.
+        count: of half waves along either side that are modelled next to the first along the other.
         inertia: J_Z of the liquid under a closed surface about the vertical, kg m^2.
         damping_scale: damping ratios over laminar ones, as for the modes along the sides.
         most_damping: largest damping ratio.

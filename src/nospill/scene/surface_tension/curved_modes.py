@@ -85,21 +85,21 @@ def solve_curved(meridian: Meridian, level: float, elements: int, length: float,
     lean, radius = meridian.lean(level), meridian.radius(level)
     slope = slope_at_wall(lean, contact_angle)
     surface = rest_surface(length, radius, slope)
-    mesh = _raised(mesh_liquid(meridian, level, elements), meridian, level, surface)
+    mesh = _raise_surface(mesh_liquid(meridian, level, elements), meridian, level, surface)
     stiffness, turning = volume_terms(mesh, level)
-    own = np.unique(mesh.surface)
-    mass, tension = surface_terms(mesh, own)
-    wall = int(np.argmax(mesh.nodes[own, 0]))
-    reach, step = float(mesh.nodes[own[wall], 0]), _STEP * radius
+    surface_nodes = np.unique(mesh.surface)
+    mass, tension = surface_terms(mesh, surface_nodes)
+    wall = int(np.argmax(mesh.nodes[surface_nodes, 0]))
+    reach, step = float(mesh.nodes[surface_nodes[wall], 0]), _STEP * radius
     bend = (meridian.lean(level + step) - meridian.lean(level - step)) / (2 * step)
     curvature = surface.meniscus.rise / length**2 + math.sin(slope) / radius
     flare = math.cos(lean) * math.cos(slope) / math.cos(lean + slope)
     at_wall = reach * (curvature * math.tan(lean) + bend * math.cos(slope)) * flare
     tension[wall, wall] += math.pi * at_wall * reach**2
     solve = splu(stiffness, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
-    unit = np.zeros((len(mesh.nodes), len(own)))
-    unit[own, np.arange(len(own))] = 1.0
-    flexibility, turned = solve(unit)[own], solve(turning)[own]
+    unit = np.zeros((len(mesh.nodes), len(surface_nodes)))
+    unit[surface_nodes, np.arange(len(surface_nodes))] = 1.0
+    flexibility, turned = solve(unit)[surface_nodes], solve(turning)[surface_nodes]
     kinetic = mass @ (flexibility + flexibility.T) / 2 @ mass
     spring = mass + length**2 * tension
     count = elements // 4
@@ -108,11 +108,11 @@ def solve_curved(meridian: Meridian, level: float, elements: int, length: float,
     except np.linalg.LinAlgError:
         raise ModelError("the surface at rest would not stay with this contact_angle; give another") from None
     shapes = shapes[:, ::-1][:, :count] / np.sqrt(inverse[::-1][:count])  # of unit kinetic energy
-    held = np.delete(np.arange(len(own)), wall)
+    held = np.delete(np.arange(len(surface_nodes)), wall)
     pinned = eigh(kinetic[np.ix_(held, held)], spring[np.ix_(held, held)], eigvals_only=True)
     push = mass.sum(axis=0)
     surge, turn = push @ shapes, (mass @ turned) @ shapes
-    # The line rises by more than the surface beside it where the wall opens.
+    # The line rises by more than the surface next to it where the wall opens.
     rise = reach * math.cos(lean) * math.cos(slope) / math.cos(lean + slope)
     gravity = np.einsum("in,ij,jn->n", shapes, mass, shapes)
     return CurvedModes(
@@ -126,7 +126,7 @@ def solve_curved(meridian: Meridian, level: float, elements: int, length: float,
     )
 
 
-def _raised(mesh: MeridianMesh, meridian: Meridian, level: float, surface: RestSurface) -> MeridianMesh:
+def _raise_surface(mesh: MeridianMesh, meridian: Meridian, level: float, surface: RestSurface) -> MeridianMesh:
     """The mesh below the flat surface, moved up and down with the surface at rest, its outer nodes along the wall.
 
     Nodes crowd towards a steep wall, so that they are alike far apart along the surface.

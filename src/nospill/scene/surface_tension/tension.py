@@ -1,4 +1,4 @@
-"""Surface tension: a spring beside that of gravity, and a rest surface that leans less.
+"""Surface tension: a spring in parallel to that of gravity, and a rest surface that leans less.
 
 With a contact line that slides freely at a contact angle of 90 deg the shapes of a prism's modes stay what they are,
 and each frequency becomes omega^2 = (g k + sigma k^3/rho) tanh(k h) [Lamb, Hydrodynamics, sec. 267]; in any other
@@ -75,12 +75,12 @@ def liquid_modes(
         return modes
     meridian = None if contact_angle is None else _meridian(container)
     if meridian is not None and contact_angle is not None:
-        return _curved(modes, meridian, liquid, contact_angle, pinned=contact_line == "pinned")
+        return _curved_surface_modes(modes, meridian, liquid, contact_angle, pinned=contact_line == "pinned")
     free = with_tension(modes, liquid)
     if contact_line == "free":
-        return replace(free, oscillators=tuple(map(_bounded, free.oscillators)))
+        return replace(free, oscillators=tuple(map(_bound_frequency, free.oscillators)))
     many = with_tension(_many(container, liquid, level, count), liquid)
-    return replace(free, oscillators=tuple(_bounded(_pinned(item, many.oscillators)) for item in free.oscillators))
+    return replace(free, oscillators=tuple(_bound_frequency(_pin(item, many.oscillators)) for item in free.oscillators))
 
 
 def _many(container: Container, liquid: Liquid, level: float, count: int) -> SloshModes:
@@ -96,7 +96,7 @@ def _many(container: Container, liquid: Liquid, level: float, count: int) -> Slo
     radius = container.section(level).radius
     like = Cylinder(radius, 10 * radius).slosh_modes(liquid, 5 * radius, wanted, damping=0.0).oscillators
     pairs = [pair for pair in zip(known.oscillators, like, strict=False) if pair[0].number > known.count // 2]
-    ratios = [own.surface_gain**2 / own.mass / (other.surface_gain**2 / other.mass) for own, other in pairs]
+    ratios = [mode.surface_gain**2 / mode.mass / (other.surface_gain**2 / other.mass) for mode, other in pairs]
     factor = math.sqrt(float(np.median(ratios)))
     higher = (replace(item, surface_gain=factor * item.surface_gain) for item in like[known.count :])
     return replace(known, oscillators=(*known.oscillators, *higher))
@@ -107,10 +107,10 @@ def with_tension(modes: SloshModes, liquid: Liquid) -> SloshModes:
     length = capillary_length(liquid)
     round_section = "y" in modes.oscillators[0].directions and "x" in modes.oscillators[0].directions
     gain = [_gain(half, length, round_section=round_section) for half in modes.quasi_static_gain.tolist()]
-    oscillators = tuple(_stretched(item, length) for item in modes.oscillators)
+    oscillators = tuple(_stretch(item, length) for item in modes.oscillators)
     yaw = modes.yaw and yaw_with_tension(modes.yaw, length)
     if yaw is not None:
-        yaw = replace(yaw, oscillators=tuple(map(_bounded, yaw.oscillators)))
+        yaw = replace(yaw, oscillators=tuple(map(_bound_frequency, yaw.oscillators)))
     return replace(modes, oscillators=oscillators, quasi_static_gain=read_only(gain), yaw=yaw)
 
 
@@ -122,32 +122,34 @@ def _meridian(container: Container) -> Meridian | None:
     return container.meridian if isinstance(container, Vessel) else None
 
 
-def _curved(modes: SloshModes, meridian: Meridian, liquid: Liquid, angle: float, *, pinned: bool) -> SloshModes:
+def _curved_surface_modes(
+    modes: SloshModes, meridian: Meridian, liquid: Liquid, angle: float, *, pinned: bool
+) -> SloshModes:
     """Modes below the curved surface at rest, with the damping of the flat one; the rest of the liquid follows."""
     from nospill.scene.surface_tension.curved_modes import curved_modes  # only few vessels need the solver
 
-    found = curved_modes(meridian, modes.liquid_height, modes.count, capillary_length(liquid), angle)
-    squares = STANDARD_GRAVITY * (found.pinned if pinned else found.curvature + found.tension)
-    masses = liquid.density * found.volume
-    heights = np.where(masses > _UNMOVED * modes.liquid_mass, found.height, modes.liquid_height)
+    solved = curved_modes(meridian, modes.liquid_height, modes.count, capillary_length(liquid), angle)
+    squares = STANDARD_GRAVITY * (solved.pinned if pinned else solved.curvature + solved.tension)
+    masses = liquid.density * solved.volume
+    heights = np.where(masses > _UNMOVED * modes.liquid_mass, solved.height, modes.liquid_height)
     oscillators = tuple(
-        _bounded(
+        _bound_frequency(
             replace(
                 item,
                 frequency=math.sqrt(squares[n]),
-                tension=float(squares[n] - STANDARD_GRAVITY * found.curvature[n]),
+                tension=float(squares[n] - STANDARD_GRAVITY * solved.curvature[n]),
                 mass=float(masses[n]),
                 height=float(heights[n]),
-                surface_gain=float(found.surface_gain[n]),
+                surface_gain=float(solved.surface_gain[n]),
             )
         )
         for n, item in enumerate(modes.oscillators)
     )
-    gain = read_only(np.full(2, found.quasi_static_gain))
+    gain = read_only(np.full(2, solved.quasi_static_gain))
     return replace(modes.with_oscillators(oscillators), quasi_static_gain=gain)
 
 
-def _bounded(item: Oscillator) -> Oscillator:
+def _bound_frequency(item: Oscillator) -> Oscillator:
     """A mode that is no faster than it needs to be: one that only follows would ask for ever finer steps."""
     fastest = max(_FASTEST, math.sqrt(item.frequency**2 - item.tension))
     if item.frequency <= fastest:
@@ -155,7 +157,7 @@ def _bounded(item: Oscillator) -> Oscillator:
     return replace(item, frequency=fastest, tension=fastest**2 - STANDARD_GRAVITY * item.stiffness)
 
 
-def _stretched(item: Oscillator, length: float) -> Oscillator:
+def _stretch(item: Oscillator, length: float) -> Oscillator:
     tension = STANDARD_GRAVITY * item.stiffness * (length * item.wave_number) ** 2
     return replace(item, frequency=math.sqrt(item.frequency**2 + tension), tension=tension)
 
@@ -177,7 +179,7 @@ def _gain(half: float, length: float, *, round_section: bool) -> float:
     return half - length / float(ive(0, x) / ive(1, x) - 1.0 / x)
 
 
-def _pinned(item: Oscillator, free: Sequence[Oscillator]) -> Oscillator:
+def _pin(item: Oscillator, free: Sequence[Oscillator]) -> Oscillator:
     """An oscillator at the frequency that it has where the contact line is held; all else is the free line's."""
     own = [mode for mode in free if mode.directions == item.directions]
     low, high = (_root(own[: max(len(own) // part, item.number + 1)], item.number) for part in (2, 1))

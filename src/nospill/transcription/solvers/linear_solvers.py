@@ -74,13 +74,13 @@ def candidates(name: str) -> list[tuple[str, Settings]]:
         raise ScenarioError(f'planning.linear_solver "{name}" is not known; allowed: {known}')
     wanted = list(LINEAR_SOLVERS) if name == "auto" else [name]
     settings = ((item, LINEAR_SOLVERS[item](name == item)) for item in wanted)
-    found = [(item, own) for item, own in settings if own is not None]
-    if not found:
+    usable = [(item, options) for item, options in settings if options is not None]
+    if not usable:
         raise ScenarioError(
             f'planning.linear_solver "{name}" cannot be had here: it takes a C compiler, a private cache folder and '
             'NOSPILL_COMPILE other than off; use "auto" or "mumps"'
         )
-    return found
+    return usable
 
 
 def ldl_library(*, wait: bool = True) -> Path | None:

@@ -79,6 +79,6 @@ def least_slack(problem: Problem, values: np.ndarray) -> dict[RowId, float]:
     starts = np.cumsum([0, *(len(places) for _, places in rows[:-1])])
     least = np.minimum.reduceat(distance[np.concatenate([places for _, places in rows])], starts).tolist()
     slack: dict[RowId, float] = {}
-    for (row, _), own in zip(rows, least, strict=True):
-        slack[row] = min(own, slack.get(row, np.inf))
+    for (row, _), value in zip(rows, least, strict=True):
+        slack[row] = min(value, slack.get(row, np.inf))
     return slack

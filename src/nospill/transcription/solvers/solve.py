@@ -63,12 +63,14 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
     if warm is not None and len(warm.multipliers) == len(transcription.lower):
         arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
         order = warm.pivot_order
-    (linear_solver, own), *others = candidates(problem.scene.planning.linear_solver)
-    result, stats, order = _attempt(problem, settings | own, arguments, options, order)
-    for other, own in others:
+    (linear_solver, options_of_it), *others = candidates(problem.scene.planning.linear_solver)
+    result, stats, order = _attempt(problem, settings | options_of_it, arguments, options, order)
+    for other, options_of_it in others:
         if stats["return_status"] not in UNSOLVED:
             break
-        result, stats, order = _attempt(problem, settings | own, arguments, options, None)  # one that failed is dropped
+        result, stats, order = _attempt(
+            problem, settings | options_of_it, arguments, options, None
+        )  # one that failed is dropped
         linear_solver = f"{other} after {linear_solver}"
     variables, values = result["x"], result["g"]
     return Solution(
@@ -98,14 +100,14 @@ def _attempt(
     """Answer, statistics and order of pivots of one run of IPOPT; None where the linear solver keeps none."""
     with watched(problem, options.progress) as watching:
         nlpsol = ca.nlpsol("plan", "ipopt", problem.transcription.nlp, settings | watching)
-        run = partial(_called, nlpsol, arguments)
+        run = partial(_call, nlpsol, arguments)
         with interruptible():
             library = settings.get("ipopt.hsllib")
             (results, stats), kept = (run(), None) if library is None else with_order(library, order, run)
             return results, stats, kept
 
 
-def _called(nlpsol: Any, arguments: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+def _call(nlpsol: Any, arguments: Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The outputs by name, and the statistics; what there is no argument for is zero.
 
     The solver reads and writes the arrays themselves: CasADi's matrices, through which a plain call goes, take as long
