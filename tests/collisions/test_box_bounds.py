@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.collisions.along_path import room_bounds
+from nospill.collisions.along_path import slack_bounds
 from nospill.collisions.bodies import Body
 from nospill.collisions.box_bounds import ball_bounds, box_bounds
 from nospill.collisions.distances import Distances, ball_gaps
@@ -47,10 +47,10 @@ def test_bounds_that_are_enough_leave_the_signs_as_they_are() -> None:
     scene = load("mixed-tray")
     q = np.random.default_rng(3).uniform(scene.robot.lower, scene.robot.upper, (300, len(scene.robot.joints)))
     frames, pairs = joint_frames(arm_chain(scene.robot), q), scene_pairs(scene)
-    fine, coarse = room_bounds(pairs, frames), room_bounds(pairs, frames, enough=0.0)
+    fine, coarse = slack_bounds(pairs, frames), slack_bounds(pairs, frames, enough=0.0)
     assert np.array_equal(fine < 0.0, coarse < 0.0)
     assert np.all(coarse <= fine + 1e-9)
     broken = np.min(fine, axis=1) < 0.0
     assert 0 < np.count_nonzero(broken) < len(pairs)
     assert coarse[broken] == pytest.approx(fine[broken], abs=1e-12)
-    assert room_bounds([], frames).shape == (0, 300)
+    assert slack_bounds([], frames).shape == (0, 300)

@@ -71,8 +71,8 @@ def identify(
         print_json(identified_table(learnt))
         return 0
     print_lines(f"read: {recorded.read}")
-    _print(found)
-    print(scenario_text(found), end="")
+    _print(learnt)
+    print(scenario_text(learnt), end="")
     if output is not None:
         print(f"written to {output}")
     return 0

@@ -105,7 +105,7 @@ def least_slack(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, floa
     """
     frames, least = joint_frames(arm_chain(scene.robot), q), dict[str, float]()
     pairs = scene_pairs(scene)
-    for pair, room in zip(pairs, room_bounds(pairs, frames, enough=max(within, 0.0)), strict=True):
+    for pair, slack in zip(pairs, slack_bounds(pairs, frames, enough=max(within, 0.0)), strict=True):
         # of the arm with itself and its load only what is broken counts: bounds do until then
         near = np.flatnonzero(slack < (0.0 if pair.of_arm else within))
         if len(near) and not are_capsules(pair.first, pair.second):
@@ -117,7 +117,7 @@ def least_slack(scene: Scene, q: np.ndarray, *, within: float) -> dict[str, floa
 def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
     """What comes nearest in that configuration in which the slack is largest; None where no pair is judged.
 
-    Where it is above zero, some bound on the room; the configuration is then one that has room.
+    Where it is above zero, some bound on the slack; the configuration is then clear.
 
     Of the arm with itself, its load and the obstacles; of tray and cargo with obstacles the path decides, not the arm.
 
@@ -130,9 +130,9 @@ def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
     if not pairs:
         return None
     frames = joint_frames(arm_chain(scene.robot), q)
-    room = room_bounds(pairs, frames, enough=0.0)
-    for pair, own in zip(pairs, room, strict=True):
-        near = np.flatnonzero(own < 0.0)
+    slacks = slack_bounds(pairs, frames, enough=0.0)
+    for pair, slack in zip(pairs, slacks, strict=True):
+        near = np.flatnonzero(slack < 0.0)
         if len(near) and not are_capsules(pair.first, pair.second):
             slack[near] = distances_of(pair.first, pair.second).at(frames, near)[0] - pair.limit
     worst = np.argmin(slacks, axis=0)
@@ -141,15 +141,15 @@ def freest_of_arm(scene: Scene, q: np.ndarray, s: float) -> Nearness | None:
     return Nearness(pairs[int(worst[best])], float(least[best]), s)
 
 
-def room_bounds(pairs: Sequence[Pair], frames: JointFrames, *, enough: float = np.inf) -> np.ndarray:
-    """Bounds (k, m) on the room of pairs, m: of two capsules the room itself.
+def slack_bounds(pairs: Sequence[Pair], frames: JointFrames, *, enough: float = np.inf) -> np.ndarray:
+    """Bounds (k, m) on the slack of pairs, m: of two capsules the slack itself.
 
     Of what the arm carries and a link, by the box about the one; of others by the balls about both.
 
     Args:
         pairs: k of them.
         frames: of the arm at m configurations.
-        enough: room, m, from which on the balls about both do for every pair.
+        enough: slack, m, from which on the balls about both do for every pair.
     """
     if not pairs:
         return np.zeros((0, frames.position.shape[1]))

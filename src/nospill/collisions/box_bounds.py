@@ -54,9 +54,9 @@ def ball_bounds(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> np.n
     if not pairs:
         return np.zeros((0, frames.position.shape[1]))
     joints, others = ([pair[index].joint for pair in pairs] for index in (0, 1))
-    centre = frames.position[joints] + _turned(frames.rotation[joints], np.array([body.centre for body, _ in pairs]))
+    centre = frames.position[joints] + _turn(frames.rotation[joints], np.array([body.centre for body, _ in pairs]))
     ends = np.array([capsule.points[[0, -1]] for _, capsule in pairs])
-    start, end = (frames.position[others] + _turned(frames.rotation[others], ends[:, index]) for index in (0, 1))
+    start, end = (frames.position[others] + _turn(frames.rotation[others], ends[:, index]) for index in (0, 1))
     axis = end - start
     length = np.maximum(np.sum(axis * axis, axis=-1), _SHORTEST**2)
     share = np.clip(np.sum((centre - start) * axis, axis=-1) / length, 0.0, 1.0)

@@ -49,7 +49,7 @@ class Configurations:
         return free
 
     def _look_at_itself(self, free: np.ndarray, frames: JointFrames) -> None:
-        room = room_bounds(self._own, frames, enough=0.0)
+        slack = slack_bounds(self._own, frames, enough=0.0)
         exact = np.array([are_capsules(pair.first, pair.second) for pair in self._own], dtype=bool)
         free &= ~np.any(slack[exact] < 0.0, axis=0)
         for index in np.flatnonzero(~exact):

@@ -172,7 +172,7 @@ def self_collision(scene: Scene) -> SelfCollision:
 @lru_cache(maxsize=8)
 def _pairs(scene: Scene, loaded: bool) -> tuple[Pair, ...]:
     bodies = _bodies(scene, loaded)
-    own = [body for body in bodies if body.obstacle is None]
+    moving = [body for body in bodies if body.obstacle is None]
     around = [
         Pair(body, item, item.obstacle.clearance)
         for item in bodies
@@ -204,7 +204,7 @@ def _bodies(scene: Scene, loaded: bool) -> tuple[Body, ...]:
 @lru_cache(maxsize=8)
 def _table(scene: Scene) -> Mapping[tuple[str, str], SampledPair]:
     """Links and holder, each a capsule or more, against each other."""
-    return _sampled(scene.robot, [body for body in _bodies(scene, True) if body.of_arm])
+    return _sampled_pairs(scene.robot, [body for body in _bodies(scene, True) if body.of_arm])
 
 
 def _sampled_pairs(robot: Robot, parts: Sequence[Body]) -> Mapping[tuple[str, str], SampledPair]:

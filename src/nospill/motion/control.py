@@ -90,7 +90,7 @@ def followed(command: JointMotion, controller: Controller, start: float, stop: f
     spline = QUINTIC_SPLINE.motion(JointSamples(t, command(t)))
     assert isinstance(spline, HeldMotion)
     assert isinstance(spline.inside, Pieces)
-    return _Followed(_lag_spline(spline.inside, controller.lag), controller, start, stop)
+    return _Followed(_lag(spline.inside, controller.lag), controller, start, stop)
 
 
 def settling_after(controller: Controller) -> float:
@@ -126,7 +126,7 @@ class _Lagged:
         return values + left * (-1.0 / lag) ** order * np.exp((breaks[place] - t) / lag)
 
 
-def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
+def _lag(pieces: Pieces, lag: np.ndarray) -> _Lagged:
     rest = pieces(pieces.breaks[[0, -1]])
     if not np.any(lag):
         return _Lagged(pieces, rest[1], lag, np.zeros((len(pieces.breaks), len(lag))))
@@ -136,7 +136,6 @@ def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
         powers = np.arange(degree, -1, -1.0)[:, None, None]
         derived = np.concatenate([np.zeros_like(derived[:1]), (derived * powers)[:-1]])
         steady = steady + (-lag) ** order * derived
-    course = Pieces(pieces.breaks, steady)
     # At every break the lag is continuous, and the polynomials differ by their fifth derivatives.
     widths = np.diff(pieces.breaks)
     last = np.zeros_like(steady[-1])
@@ -150,7 +149,7 @@ def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
     jumps = np.where(lag > 0.0, last - first, 0.0)
     for index in range(len(widths)):
         left[index + 1] = left[index] * decay[index] + jumps[index]
-    return _Lagged(found, rest[1], lag, left)
+    return _Lagged(Pieces(pieces.breaks, steady), rest[1], lag, left)
 
 
 @dataclass(frozen=True, slots=True)
