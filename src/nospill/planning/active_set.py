@@ -17,7 +17,7 @@ from nospill.judge.certificate import Judgement
 from nospill.judge.verdict import Row
 from nospill.laws.constraints import END_NAMES, by_name, constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, RowId
-from nospill.laws.constraints.clearance import clearance_backoff
+from nospill.laws.constraints.clearance import Clearance, clearance_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.planning.members import Members, tightened, uses_of
@@ -175,7 +175,7 @@ class ActiveSet:
         outside = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
         if outside:
             return self.joined(self.members | outside, refined | {name for name, _ in outside if refined}, judgement)
-        broken = self._on_members(row for row in rows if row.shortfall > 0.0)
+        broken = self._within_ranges(list(self._on_members(row for row in rows if row.shortfall > 0.0)))
         backoff, joining = tightened(broken, self.rows, self.backoff, slack)
         far = self._members.far_peaks(rows, judgement.replay.t)
         if far:
@@ -184,6 +184,16 @@ class ActiveSet:
         if not joining and backoff == self.backoff:
             return self
         return replace(self, rows=self.rows | joining, backoff=backoff, excess=max(at_end.values(), default=1.0) - 1.0)
+
+    def _within_ranges(self, broken: list[Row]) -> list[Row]:
+        """Broken rows without the distances that are not in the problem, while a joint leaves its range.
+
+        What bodies touch there is no matter of a motion within the ranges, and no plane parts bodies that start far
+        inside each other.
+        """
+        if all(row.constraint != JointPosition.name or row.id in self.rows for row in broken):
+            return broken
+        return [row for row in broken if row.constraint != Clearance.name or row.id in self.rows]
 
     def relaxed(self, judgement: Judgement) -> ActiveSet:
         """The set without most of the back-off that a certified motion shows to be more than is needed."""
