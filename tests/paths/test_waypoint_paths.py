@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -133,3 +134,69 @@ def test_yaw_at_the_points_is_followed() -> None:
         path_through_waypoints(points, yaw_at_points=angles[:3])
     with pytest.raises(ScenarioError, match=r"turns by 5\.73 deg at one point"):
         path_through_waypoints([[0, 0, 0], [0, 0, 0], [1, 0, 0]], yaw_at_points=[0.0, 0.1, 0.2])
+
+
+CORNERS = np.array([[0.65, -0.3, 0.5], [0.65, 0.1, 0.5], [0.45, 0.1, 0.5], [0.45, 0.1, 0.9]])
+
+
+def test_blended_lines_keep_to_their_lines_and_are_smooth_at_the_seams() -> None:
+    blend, rows = 0.05, np.column_stack([CORNERS, [0.0, 0.3, 0.3, 1.0]])
+    path = path_through_waypoints(CORNERS, yaw_at_points=rows[:, 3], blend=blend)
+    s = np.linspace(0.0, 1.0, 20001)
+    poses, rates = path.at(s), [path.derivative(s, order) for order in (1, 2, 3)]
+    assert poses[[0, -1]] == pytest.approx(rows[[0, -1]], abs=1e-12)
+    away = np.full(len(s), np.inf)
+    for start, end in pairwise(CORNERS):
+        line = end - start
+        share = np.clip((poses[:, :3] - start) @ line / (line @ line), 0.0, 1.0)
+        away = np.minimum(away, np.linalg.norm(poses[:, :3] - start - share[:, None] * line, axis=1))
+    assert np.max(away) == pytest.approx(5.0 / 32.0 * blend, rel=1e-3)  # on one line of the corner, its half from both
+    near = np.min(np.linalg.norm(poses[:, None, :3] - CORNERS[1:-1], axis=2), axis=1)
+    assert np.all(away[near > blend + 1e-6] < 1e-12)
+    assert np.min(near) == pytest.approx(5.0 / 32.0 * np.sqrt(2.0) * blend, rel=1e-3)
+    for order in range(2):
+        slope = np.gradient(rates[order], s, axis=0)
+        np.testing.assert_allclose(slope[2:-2], rates[order + 1][2:-2], atol=2e-3 * np.max(np.abs(rates[order + 1])))
+    step = np.max(np.abs(np.diff(rates[2], axis=0)))
+    assert step < 0.02 * np.max(np.abs(rates[2]))  # the third derivative is continuous
+
+
+@pytest.mark.parametrize(
+    ("points", "blend", "says"),
+    [
+        (CORNERS, 0.11, "blend 110 mm: the line from waypoint 2 to 3 is 200 mm long, which leaves 100 mm at most"),
+        (CORNERS[[0, 1, 0]], 0.02, "turns back by 180 deg at waypoint 2"),
+    ],
+)
+def test_corners_that_cannot_be_rounded_so(points: np.ndarray, blend: float, says: str) -> None:
+    with pytest.raises(ScenarioError, match=says):
+        path_through_waypoints(points, blend=blend)
+
+
+def test_blend_and_smoothing_are_two_ways() -> None:
+    with pytest.raises(ScenarioError, match="blend and smoothing: both are given"):
+        path_through_waypoints(CORNERS, blend=0.01, smoothing=1e-4)
+
+
+def test_a_point_beside_its_neighbour_is_that_neighbour() -> None:
+    """A button pressed twice: without the second point the same curve, and a note."""
+    points = np.array([[0.60, -0.3, 0.5], [0.65, -0.1, 0.5], [0.65, 0.1, 0.5], [0.60, 0.3, 0.5]])
+    twice = np.insert(points, 2, points[1] + [1e-8, 0.0, 0.0], axis=0)
+    s = np.linspace(0.0, 1.0, 301)
+    found, plain = path_through_waypoints(twice), path_through_waypoints(points)
+    np.testing.assert_allclose(found.at(s), plain.at(s), atol=1e-9)
+    assert "waypoint 3 is within 0.01 mm of its neighbour and is left out" in found.notes
+    ended = np.vstack([points, points[-1] + [0.0, 1e-8, 0.0]])
+    np.testing.assert_allclose(path_through_waypoints(ended).at(1.0)[0, :3], ended[-1], atol=1e-12)
+
+
+def test_the_distance_from_the_lines_is_said() -> None:
+    hairpin = np.array([[0.65, -0.3], [0.65, -0.1], [0.65, 0.1], [0.652, 0.1], [0.652, -0.1], [0.652, -0.3]])
+    path = path_through_waypoints(np.column_stack([hairpin, np.full(6, 0.5)]))
+    (note,) = path.notes
+    swing = path.at(np.linspace(0.0, 1.0, 4001))[:, 0]
+    said = float(re.search(r"by up to (\d+) mm", note)[1]) / 1e3  # type: ignore[index]
+    assert said == pytest.approx(max(0.65 - swing.min(), swing.max() - 0.652), abs=2e-3) > 0.15
+    assert "blend keeps to the lines" in note
+    straight = np.column_stack([np.linspace(0.0, 1.0, 7), np.zeros((7, 2))])
+    assert path_through_waypoints(straight).notes == ()

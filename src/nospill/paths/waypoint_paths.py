@@ -9,6 +9,7 @@ import numpy as np
 
 from nospill.core.piecewise import SAME_KNOT, Pieces, interpolating_pieces
 from nospill.errors import ScenarioError
+from nospill.paths.blended_lines import blended_lines, farthest_from_lines
 from nospill.paths.path import MAX_INTERPOLATED, Path, assembled, yaw_pieces
 from nospill.paths.path_checks import checked_numbers, checked_points, point_text
 from nospill.paths.smoothing import SmoothCurve, closest_curve, smooth_curve
@@ -28,6 +29,10 @@ _MEANT = 0.01
 """Fewer points than these, or points farther from a smooth curve than this part of the path's extent, are not recorded
 but chosen: however sharply they turn, it is meant."""
 _PROBES = 2001
+_SAME_PLACE = 1e-5
+"""m; two points nearer than this are one: no arm repeats a place to that."""
+_MUCH = 0.1
+"""Part of a line's length by which a curve may leave it without advice."""
 
 
 def path_through_waypoints(
@@ -36,11 +41,13 @@ def path_through_waypoints(
     yaw: np.ndarray | Sequence[float] = (0.0, 0.0),
     yaw_at_points: np.ndarray | Sequence[float] | None = None,
     smoothing: float | None = None,
+    blend: float | None = None,
 ) -> Path:
     """Path through points: a smoothing spline where one passes them closely enough, else the C4 spline of degree 5.
 
     The interpolating spline runs over the chord length; 2 to 5 points give one polynomial. Points that repeat the one
-    before are left out; the path's notes say so, and what the smoothing does.
+    before are left out; the path's notes say so, what the smoothing does, and how far the curve leaves the straight
+    lines between the points. With `blend` the path is these lines with rounded corners.
 
     Args:
         points: (n, 3), m.
@@ -48,6 +55,7 @@ def path_through_waypoints(
         yaw_at_points: (n,) yaw at each point, rad, in place of `yaw`.
         smoothing: largest distance of a point from the path, m (0.2 m times a yaw's error counts as one); 0
             interpolates. None: `SMOOTHING`, and points that it is too little for are interpolated.
+        blend: distance from a corner within which it is rounded, m; no smoothing then.
 
     Raises:
         ScenarioError: too few or too many points, numbers that are not finite; points that no smooth curve passes
@@ -62,6 +70,14 @@ def path_through_waypoints(
         raise ScenarioError(f"waypoints: {len(places)} points, at most {MAX_WAYPOINTS} are allowed; keep fewer")
     places, angles, notes = _without_repetitions(places, angles)
     poses = places if angles is None else np.column_stack([places, _LEVER * angles])
+    if blend is not None:
+        if smoothing is not None:
+            raise ScenarioError("blend and smoothing: both are given; blend rounds the corners of lines, keep one")
+        places, angles, notes = _without_neighbours(places, angles, notes)
+        if len(places) > MAX_INTERPOLATED:
+            raise ScenarioError(f"blend: {len(places)} points, at most {MAX_INTERPOLATED} are joined by lines")
+        poses = places if angles is None else np.column_stack([places, _LEVER * angles])
+        return _path(blended_lines(poses, blend), yaw, angles, notes)
     tolerance = SMOOTHING if smoothing is None else smoothing
     smooth = smooth_curve(poses, tolerance) if tolerance > 0.0 else None
     if smooth is not None:
@@ -75,10 +91,56 @@ def path_through_waypoints(
         _refuse_roughness(poses, tolerance, smoothing)
         if len(places) > MAX_INTERPOLATED:
             raise _too_rough(poses, tolerance)
-        curve = interpolating_pieces(_chord_parameters(places), poses)
+        places, angles, notes = _without_neighbours(places, angles, notes)
+        poses = places if angles is None else np.column_stack([places, _LEVER * angles])
+        s = _chord_parameters(places)
+        curve = interpolating_pieces(s, poses)
+        notes += _lines_note(curve, places, s)
+    return _path(curve, yaw, angles, notes)
+
+
+def _path(curve: Pieces, yaw: np.ndarray | Sequence[float], angles: np.ndarray | None, notes: Sequence[str]) -> Path:
+    """The path of a curve of places, and of angles times `_LEVER` where the points have some."""
     position = Pieces(curve.breaks, curve.coefficients[:, :, :3])
     turning = yaw_pieces(yaw) if angles is None else Pieces(curve.breaks, curve.coefficients[:, :, 3:] / _LEVER)
     return assembled(position, turning, tuple(notes))
+
+
+def _without_neighbours(
+    places: np.ndarray, angles: np.ndarray | None, notes: Sequence[str]
+) -> tuple[np.ndarray, np.ndarray | None, list[str]]:
+    """The points without those that are the one before but for what no arm repeats: a curve would swing between them.
+
+    The last point stays, and the one before it goes.
+    """
+    kept = [0]
+    for index in range(1, len(places)):
+        if np.linalg.norm(places[index] - places[kept[-1]]) > _SAME_PLACE:
+            kept.append(index)
+    if kept[-1] != len(places) - 1:
+        kept[-1] = len(places) - 1
+    if len(kept) == len(places) or len(kept) < 2:
+        return places, angles, list(notes)
+    missing = sorted(set(range(len(places))) - set(kept))
+    said = f"{len(missing)} waypoints within {1e3 * _SAME_PLACE:g} mm of the one before are left out"
+    if len(missing) == 1:
+        said = f"waypoint {missing[0] + 1} is within {1e3 * _SAME_PLACE:g} mm of its neighbour and is left out"
+    return places[kept], None if angles is None else angles[kept], [*notes, said]
+
+
+def _lines_note(curve: Pieces, places: np.ndarray, s: np.ndarray) -> list[str]:
+    """How far the curve leaves the straight lines between the points, and what keeps to them where that is much."""
+    if len(places) < 3:
+        return []
+    farthest, at = farthest_from_lines(curve, places, s)
+    if farthest <= _SAME_PLACE:
+        return []
+    length = float(np.linalg.norm(places[at + 1] - places[at]))
+    note = (
+        f"the curve through the waypoints leaves the straight lines between them by up to {1e3 * farthest:.3g} mm, "
+        f"between waypoints {at + 1} and {at + 2}, which are {1e3 * length:.3g} mm apart"
+    )
+    return [f"{note}; blend keeps to the lines and rounds their corners" if farthest > _MUCH * length else note]
 
 
 def path_through_poses(poses: np.ndarray, joints: np.ndarray | None = None) -> Path:

@@ -157,6 +157,13 @@ class WaypointsPath(GivenPath):
             f"{1e6 * SMOOTHING:g} um, and points that scatter by more are joined exactly or refused"
         ),
     ] = None
+    blend: Annotated[
+        Annotated[float, Measured(dimension="length", above=0.0, at_most=10.0)] | None,
+        Field(
+            description="distance from a corner within which it is rounded, of straight lines between the points; a "
+            "smooth curve through the points when not given"
+        ),
+    ] = None
     origin: Annotated[
         str | None, Field(strict=True, max_length=300, description="where the points come from, in words")
     ] = None
@@ -193,7 +200,11 @@ class WaypointsPath(GivenPath):
                 "beside its points; make it wider"
             )
         path = path_through_waypoints(
-            self.points or [], yaw=self.angles, yaw_at_points=self.yaw_at_points, smoothing=self.smoothing
+            self.points or [],
+            yaw=self.angles,
+            yaw_at_points=self.yaw_at_points,
+            smoothing=self.smoothing,
+            blend=self.blend,
         )
         return path if self.origin is None else replace(path, notes=(self.origin, *path.notes))
 
