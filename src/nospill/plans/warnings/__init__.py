@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from nospill.judge.certificate import Judgement
 from nospill.plans.warnings.arm import (
     below_the_base,
+    doubts,
     estimated_touch,
     no_joint_acceleration_limit,
     no_mass,
@@ -37,6 +38,7 @@ from nospill.scene.scene import Scene
 
 WARNINGS: tuple[Warn, ...] = (
     fallback,
+    doubts,
     crest,
     sloping_wall,
     distance_to_the_rim,
