@@ -64,6 +64,11 @@ class Between:
         """Indices in q of the joints that turn what is between the two; none of the row of the first body itself."""
         return joints_between(arm_chain(self), self.inner, self.outer)
 
+    @property
+    def count(self) -> int:
+        """How many joints these are."""
+        return len(self.read)
+
 
 @dataclass(frozen=True, eq=False)
 class ClearanceBlock:
@@ -88,7 +93,7 @@ def clearance_block(between: Between) -> ClearanceBlock:
 
 
 def _build(between: Between) -> codegen.Functions:
-    count = len(between.read)
+    count = between.count
     z, own = SX.sym("z", count + PLANE), SX.sym("own", NUMBERS)
     multipliers = SX.sym("l", COEFFICIENTS)
     q, turns, way = z[:count], z[count : count + 2], z[-1]

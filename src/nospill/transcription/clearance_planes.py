@@ -138,7 +138,7 @@ class Planes:
         parts = [np.zeros(0)]
         for group, rows, numbers, points in zip(self.groups, self.rows, self.numbers, self.points, strict=True):
             own = points.copy()
-            if group.between.read:
+            if group.between.count:
                 own[:, BACKOFF] = [backoff.get(row, 0.0) for row in rows]
             parts += [numbers.ravel(), own.ravel()]
         return np.concatenate(parts)
@@ -148,7 +148,7 @@ class Planes:
         found, first = dict[RowId, list[tuple[int, int]]](), 0
         for group, rows in zip(self.groups, self.rows, strict=True):
             nodes = [place.node for place in group.places for _ in range(place.points)]
-            for index, row in enumerate(rows if group.between.read else ()):
+            for index, row in enumerate(rows if group.between.count else ()):
                 found.setdefault(row, []).append((first + index, nodes[index]))
             first += len(rows)
         return {row: np.array(own).T for row, own in found.items()}
