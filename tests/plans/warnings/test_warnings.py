@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,9 +18,11 @@ from nospill.judge.certificate import Judgement, judge
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.warnings import WARNINGS, plan_warnings
-from nospill.plans.warnings.arm import no_mass
+from nospill.plans.warnings.arm import doubts, no_mass
 from nospill.plans.warnings.liquids import distance_to_the_rim, sloping_wall
+from nospill.plans.warnings.objects import hardly_meant
 from nospill.plans.warnings.record import Facts, PlanWarning, warning_lines
+from nospill.robots.robot import Doubt
 from nospill.scenario import read_scenario
 from nospill.scene.containers.vessels import Profile
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
@@ -56,7 +59,7 @@ def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
         "robot.base_position": ["0 m", "0 m", "0 m"],
         "planning": {},
     }
-    assert len(WARNINGS) == 22
+    assert len(WARNINGS) == 24
     assert found(quiet) == {}
 
 
@@ -289,3 +292,32 @@ def test_one_line_for_each_kind() -> None:
         [PlanWarning("crest", "c1", "high."), PlanWarning("damping", "c1", "x."), PlanWarning("crest", "c2", "high.")]
     )
     assert lines == ["crest: c1: high. Likewise: c2.", "damping: c1: x."]
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind", "subject", "words"),
+    [
+        ({"cargo.0.empty_mass": "80 kg", "cargo.0.mass": None}, "mass", 0, "denser than brass"),
+        ({"cargo.0.empty_mass": "80 mg", "cargo.0.mass": None}, "mass", 0, "as light as air"),
+        ({"cargo.0.liquid_height": "0.5 mm", "cargo.0.max_slosh_height": "5 mm"}, "liquid height", 0, "0.5 mm deep"),
+        ({"tray.friction": 1.5}, "friction", 0, "more than rubber"),
+        ({"tray.mass": "80 kg"}, "mass", "tray", "more than 25 mm of steel"),
+        ({"cargo.0.centre_of_mass_height": "150 mm"}, "centre of mass", 0, "outside the object, which is 99.1 mm high"),
+    ],
+)
+def test_numbers_of_objects_that_are_hardly_meant(
+    changed_scene: Any, changes: dict[str, Any], kind: str, subject: int | str, words: str
+) -> None:
+    plain = changed_scene(NAME, {})
+    scene = changed_scene(NAME, {key: value for key, value in changes.items() if value is not None})
+    name = subject if isinstance(subject, str) else scene.cargo[subject].name
+    told = {(item.name, item.subject): item.text for item in hardly_meant(SimpleNamespace(scene=scene))}  # type: ignore[arg-type]
+    assert words in told[kind, name]
+    assert list(hardly_meant(SimpleNamespace(scene=plain))) == []  # type: ignore[arg-type]
+
+
+def test_doubts_about_the_arm_are_warnings(changed_scene: Any) -> None:
+    scene = changed_scene(NAME, {})
+    robot = replace(scene.robot, doubts=(Doubt("tip", "flange", "it lies square."),))
+    told = list(doubts(SimpleNamespace(scene=replace(scene, robot=robot))))  # type: ignore[arg-type]
+    assert told == [PlanWarning("tip", "flange", "it lies square.")]
