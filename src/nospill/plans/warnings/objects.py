@@ -24,7 +24,6 @@ def hardly_meant(facts: Facts) -> Iterator[PlanWarning]:
     scene = facts.scene
     for item in scene.cargo:
         yield from _mass(item)
-        yield from _centre(item)
         if item.filling is not None and item.filling.depth < _FILM:
             deep = format_quantity(item.filling.depth, "length", digits=3)
             text = f"its liquid is {deep} deep at rest; liquid_height counts from the bottom of the object: compare it."
@@ -53,16 +52,6 @@ def _mass(item: Cargo) -> Iterator[PlanWarning]:
             f"({density:.3g} kg/m^3); compare its mass and its sides."
         )
         yield PlanWarning("mass", item.name, text, density, _THINNEST if density < _THINNEST else _DENSEST)
-
-
-def _centre(item: Cargo) -> Iterator[PlanWarning]:
-    height = float(item.total.centre[2])
-    if not 0.0 <= height <= item.container.height:
-        text = (
-            f"its centre of mass is {format_quantity(height, 'length', digits=3)} above its bottom, outside the "
-            f"object, which is {format_quantity(item.container.height, 'length', digits=3)} high; compare it."
-        )
-        yield PlanWarning("centre of mass", item.name, text, height, item.container.height)
 
 
 def outer_volume(item: Cargo) -> float:
