@@ -42,8 +42,8 @@ def arm_text() -> str:
 def _joint(name: str, parent: str, child: str, step: float, axis: str, more: str = "") -> str:
     inertia = '<inertia ixx="0.02" iyy="0.02" izz="0.01" ixy="0" ixz="0" iyz="0"/>'
     return (
-        f'<link name="{child}"><inertial><origin xyz="0 0 0.08"/><mass value="{1.5 + step}"/>{inertia}</inertial></link>'
-        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
+        f'<link name="{child}"><inertial><origin xyz="0 0 0.08"/><mass value="{1.5 + step}"/>{inertia}</inertial>'
+        f'</link><joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
         f'<origin xyz="0 0 {step}"/><axis xyz="{axis}"/>'
         f'<limit lower="-2.6" upper="2.6" velocity="3" effort="150"/>{more}</joint>'
     )

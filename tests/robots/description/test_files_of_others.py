@@ -235,7 +235,7 @@ def test_fast_motors_of_different_speeds_are_taken_and_asked_about() -> None:
         ({"tip_rpy": "0 -90 0"}, r"turns joint 'tip' by rpy=\"0 -90 0\", which is hardly meant in rad \(90 deg"),
     ],
 )
-def test_a_chain_in_other_units_is_refused(keys: dict[str, str], words: str) -> None:
+def test_a_chain_in_other_units_is_refused(keys: dict[str, Any], words: str) -> None:
     with pytest.raises(ScenarioError, match=words):
         read_arm(text_of(**keys))
 
