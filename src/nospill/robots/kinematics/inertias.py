@@ -15,7 +15,7 @@ _FLATTEST = 1e-9  # kg m^2
 _ROUNDING = 0.05
 """Part by which a principal moment may exceed the sum of the other two: descriptions are rounded to few digits."""
 _DENSEST = 1000.0
-"""kg/m^3 of the mass of an arm over the cube of its length; arms have 10 to 150."""
+"""kg/m^3 of the mass of an arm over the cube of its length; a UR5e has some 20."""
 
 
 @dataclass(frozen=True, slots=True)
