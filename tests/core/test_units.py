@@ -106,7 +106,7 @@ def test_the_first_unit_is_si_and_no_unit_means_two_things() -> None:
         (
             "35 parsec",
             "length",
-            '"35 parsec" has the unknown unit "parsec"; give a number in m or text with m, cm, mm, um or',
+            '"35 parsec" has the unknown unit "parsec"; give a number in m or text with m, cm, mm, um, in or ft',
         ),
         ("35 MM", "length", 'unknown unit "MM"'),
         ("35 kg", "length", '"35 kg" is a mass, not a length'),

@@ -104,7 +104,7 @@ def test_sampling_grows_from_the_stated_joints() -> None:
         (
             {"joints": ["400 deg", 0, 0, 0, 0, 0]},
             {},
-            "shoulder_pan_joint at 400 deg, outside its limits; it must be",
+            "shoulder_pan_joint at 400 deg, outside its limits by 40 deg; it must be",
         ),
         ({**START, "joints": [0.0] * 6}, {}, "start: joints stand in the place of position and yaw; give one or the"),
         ({}, {}, "start: position is missing; give it, or joints"),

@@ -40,7 +40,7 @@ def test_no_row_has_a_key_that_the_schema_has_not() -> None:
 def test_bounds_units_and_defaults_are_those_of_the_reader() -> None:
     rows = {line.split("|")[1].strip(): line for line in scenario_reference().splitlines() if line.startswith("| `")}
     assert "| 30 deg | above 0 deg, below 60 deg |" in rows["`max_tilt`"]
-    assert "length (m, cm, mm, um, in)" in rows["`liquid_height`"]
+    assert "length (m, cm, mm, um, in, ft)" in rows["`liquid_height`"]
     assert "at least 0, below 1" in rows["`friction_reserve`"]
     assert "| `100` | at least 20, at most 1000 |" in rows["`intervals`"]
     assert "**required**" in rows["`size`"]

@@ -205,7 +205,7 @@ SMALL = '<limit lower="-2.5" upper="2.5" velocity="{}" effort="{}"/>'
         (own(home=[0, 0, 0]), "[robot]: home has 3 values where 6 are needed, one for each of j1, j2, j3, j4, j5, j6"),
         (
             own(home=[0, 0, "150 deg", 0, 0, 0]),
-            "home has j3 at 150 deg, outside its limits; it must be from -143.239 deg",
+            "home has j3 at 150 deg, outside its limits by 6.76 deg; it must be from -143.239 deg",
         ),
         (own(home="zero"), '[robot]: home "zero" is not a list'),
         (own(home=[0, "1 kg"]), 'home entry 2 "1 kg" is a mass, not an angle'),
@@ -227,14 +227,14 @@ SMALL = '<limit lower="-2.5" upper="2.5" velocity="{}" effort="{}"/>'
         ),
         (
             own(arm_text(limit=SMALL.format(0, 1))),
-            "[robot]: limits.speed is missing: the URDF sets none for j1, j2, j3",
+            "[robot]: limits.speed is missing: the URDF states 0 rad/s, which stands for none (joint j1, j2, j3",
         ),
         (own(arm_text(limit=SMALL.format(15, 1))), 'under [robot.limits], for example speed = "140 deg/s"'),
-        (own(arm_text(limit='<limit velocity="2"/>')), "limits.lower is missing: the URDF sets none for j1"),
+        (own(arm_text(limit='<limit velocity="2"/>')), "limits.lower is missing: the URDF states none (joint j1"),
         (own(arm_text(limit=SMALL.format(-1, 1))), "the URDF gives joint 'j1' a negative speed, -57.2958 deg/s"),
         (
             own(arm_text(inertial=False), limits={"torque": 50}),
-            "limits.torque is given, but the masses and inertias of robot 'own' are not known (link 'l1' has no mass)",
+            "limits.torque is given, but the masses and inertias of robot 'own' are not known (link 'l1' has no mass; ",
         ),
         (
             {"model": "kuka-kr6-r900", "limits": {"torque": 50}},

@@ -78,7 +78,7 @@ def test_a_joint_that_would_pass_its_limit_is_named() -> None:
             {},
             r"start_joints: the tray is .* m.* and .* deg from where the path starts in them; joints within",
         ),
-        (["400 deg", 0, 0, 0, 0, 0], {}, "shoulder_pan_joint at 400 deg, outside its limits; it must be"),
+        (["400 deg", 0, 0, 0, 0, 0], {}, "shoulder_pan_joint at 400 deg, outside its limits by 40 deg; it must be"),
         ("home", {}, r'start_joints "home" is not a list'),
         ([0.1] * 6, {"base_yaw": "free"}, "start_joints: where the tray is then depends on base_yaw"),
     ],

@@ -78,6 +78,8 @@ def plan(
         scene = read_scenario(scenario, settings=settings or ())
         for note in scene.robot.notes:
             say(f"{scene.robot.name}: {one_line(note)}")
+        for doubt in scene.robot.doubts:
+            say(f"{scene.robot.name}, {doubt.about}: {one_line(doubt.text)}")
         if "urdf" in scene.source["robot"] and (kinds := unlimited(scene.robot)):
             keys = listed([f"limits.{kind}" for kind in kinds], last="and")
             say(

@@ -8,6 +8,8 @@ dJ_i/dq_k are no longer than the distance of the point from axis i or k, whichev
 r_i the greatest such distance over all configurations (`axis_reach`),
 
     |a| <= sum_i r_i |qdd_i| + sum_k r_k |qd_k| (|qd_k| + 2 sum_{i<k} |qd_i|).
+
+An axis that follows another joint counts by itself, with its own rates.
 """
 
 from __future__ import annotations
@@ -49,16 +51,17 @@ class SampledMotion:
         """Bound on the acceleration (m, b), m/s^2, of points of b bodies within a step before and after each sample.
 
         Args:
-            reach: (n, b) distance of the body's points from each joint's axis, m, at most.
+            reach: (bodies of the chain, b) distance of the body's points from the axis of each, m, at most.
         """
         between = self._between() @ reach * _ROUNDING
         edge = np.zeros((1, between.shape[1]))
         return np.maximum(np.concatenate([edge, between]), np.concatenate([between, edge]))
 
     def _between(self) -> np.ndarray:
-        """What the reach of each axis is multiplied by, (m - 1, n), from sample to sample, m/s^2 per m."""
+        """What the reach of each body's axis is multiplied by, (m - 1, bodies), from sample to sample, m/s^2 per m."""
         h = self.step
-        corners = [self.q, h / 5 * self.qd, h * h / 20 * self.qdd]
+        chain = self.chain
+        corners = [chain.angles(self.q), h / 5 * chain.rates(self.qd), h * h / 20 * chain.rates(self.qdd)]
         start, end = ([column[part] for column in corners] for part in (slice(None, -1), slice(1, None)))
         bernstein = np.stack(
             [

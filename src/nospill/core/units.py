@@ -33,8 +33,12 @@ _DEGREE = math.pi / 180.0
 _ONE = Decimal(1)
 _MILLI = Decimal("1e-3")
 _MICRO = Decimal("1e-6")
+_REVOLUTION = 2.0 * math.pi
+_POUND = Decimal("0.45359237")
+"""kg, exactly (the international pound)."""
 
-_LENGTH = {"m": _ONE, "cm": Decimal("1e-2"), "mm": _MILLI, "um": _MICRO, "in": Decimal("0.0254")}
+_INCH = Decimal("0.0254")
+_LENGTH = {"m": _ONE, "cm": Decimal("1e-2"), "mm": _MILLI, "um": _MICRO, "in": _INCH, "ft": 12 * _INCH}
 _VOLUME = {
     "m^3": _ONE,
     "l": _MILLI,
@@ -42,28 +46,49 @@ _VOLUME = {
     "cl": Decimal("1e-5"),
     "ml": _MICRO,
     "cm^3": _MICRO,
+    "ul": Decimal("1e-9"),
+    "nl": Decimal("1e-12"),
+    "L": _MILLI,
+    "mL": _MICRO,
+    "uL": Decimal("1e-9"),
     "mm^3": Decimal("1e-9"),
 }
-_SPEED = {"m/s": _ONE, "mm/s": _MILLI}
-_ACCELERATION = {"m/s^2": _ONE, "mm/s^2": _MILLI}
+_SPEED = {"m/s": _ONE, "cm/s": Decimal("1e-2"), "mm/s": _MILLI, "in/s": _INCH}
+_ACCELERATION = {"m/s^2": _ONE, "cm/s^2": Decimal("1e-2"), "mm/s^2": _MILLI}
+_ANGULAR_SPEED = {
+    "rad/s": _ONE,
+    "deg/s": _DEGREE,
+    "rev/s": _REVOLUTION,
+    "rev/min": _REVOLUTION / 60.0,
+    "rpm": _REVOLUTION / 60.0,
+}
+_ANGULAR_ACCELERATION = {"rad/s^2": _ONE, "deg/s^2": _DEGREE, "rev/s^2": _REVOLUTION}
+_ANGULAR_JERK = {"rad/s^3": _ONE, "deg/s^3": _DEGREE, "rev/s^3": _REVOLUTION}
+_TORQUE = {
+    "N m": _ONE,
+    "Nm": _ONE,
+    "mN m": _MILLI,
+    "mNm": _MILLI,
+    "kN m": Decimal(1000),
+    "kNm": Decimal(1000),
+}
+_MASS = {"kg": _ONE, "g": _MILLI, "mg": _MICRO, "lb": _POUND, "oz": _POUND / 16}
 _VISCOSITY = {"m^2/s": _ONE, "mm^2/s": _MICRO, "cSt": _MICRO}
 
 DIMENSIONS: dict[str, Dimension] = {
     "length": Dimension("a length", dict(_LENGTH), "mm", "35 mm"),
     "volume": Dimension("a volume", dict(_VOLUME), "ml", "250 ml"),
-    "angle": Dimension("an angle", {"rad": _ONE, "deg": _DEGREE, "mrad": _MILLI}, "deg", "30 deg"),
+    "angle": Dimension("an angle", {"rad": _ONE, "deg": _DEGREE, "mrad": _MILLI, "rev": _REVOLUTION}, "deg", "30 deg"),
     "time": Dimension("a time", {"s": _ONE, "ms": _MILLI, "min": Decimal(60)}, "s", "1.5 s"),
     "speed": Dimension("a speed", dict(_SPEED), "m/s", "0.5 m/s"),
-    "angular_speed": Dimension("an angular speed", {"rad/s": _ONE, "deg/s": _DEGREE}, "deg/s", "140 deg/s"),
+    "angular_speed": Dimension("an angular speed", dict(_ANGULAR_SPEED), "deg/s", "140 deg/s"),
     "acceleration": Dimension("an acceleration", dict(_ACCELERATION), "m/s^2", "5 m/s^2"),
-    "angular_acceleration": Dimension(
-        "an angular acceleration", {"rad/s^2": _ONE, "deg/s^2": _DEGREE}, "rad/s^2", "6.5 rad/s^2"
-    ),
-    "angular_jerk": Dimension("an angular jerk", {"rad/s^3": _ONE, "deg/s^3": _DEGREE}, "rad/s^3", "1000 rad/s^3"),
+    "angular_acceleration": Dimension("an angular acceleration", dict(_ANGULAR_ACCELERATION), "rad/s^2", "6.5 rad/s^2"),
+    "angular_jerk": Dimension("an angular jerk", dict(_ANGULAR_JERK), "rad/s^3", "1000 rad/s^3"),
     "jerk": Dimension("a jerk", {"m/s^3": _ONE, "mm/s^3": _MILLI}, "m/s^3", "500 m/s^3"),
     "path_jerk": Dimension("a jerk of the path parameter", {"1/s^3": _ONE}, "1/s^3", "1000 1/s^3"),
-    "torque": Dimension("a torque", {"N m": _ONE, "Nm": _ONE, "mN m": _MILLI, "kN m": Decimal(1000)}, "N m", "150 N m"),
-    "mass": Dimension("a mass", {"kg": _ONE, "g": _MILLI}, "kg", "0.2 kg"),
+    "torque": Dimension("a torque", dict(_TORQUE), "N m", "150 N m"),
+    "mass": Dimension("a mass", dict(_MASS), "kg", "0.2 kg"),
     "frequency": Dimension("a frequency", {"Hz": _ONE, "kHz": Decimal(1000)}, "Hz", "500 Hz"),
     "density": Dimension(
         "a density", {"kg/m^3": _ONE, "g/cm^3": Decimal(1000), "kg/l": Decimal(1000)}, "kg/m^3", "998 kg/m^3"

@@ -44,11 +44,13 @@ def relaxed_joint_limit(
     index = scene.robot.joints.index(subject)
     robot = own_robot(scene)
     own = None if robot is None else getattr(robot, attribute)
-    widening = np.full(len(now), MOST) if own is None else own / now - 1.0
+    limited = np.isfinite(now)  # a joint without a torque limit has an infinite one
+    finite = np.where(limited, now, 1.0)
+    widening = np.full(len(now), MOST) if own is None else np.where(limited, own, 1.0) / finite - 1.0
     limits = _limits_table(scene)
     scale = limits.get(f"{key}_scale")
     if scale is not None:
-        scale = float(np.max(now / own)) if own is not None and key not in limits else None
+        scale = float(np.max(now[limited] / own[limited])) if own is not None and key not in limits else None
     if scale is not None:
         factor = scale
 
@@ -61,7 +63,8 @@ def relaxed_joint_limit(
             return _with_limits(scene, attribute, now * (1.0 + share))
 
         return [Relaxation(constraint, subject, 1.0 / factor - 1.0, rescaled, loosened)]
-    if f"{key}_scale" in limits:  # a scale of values that are given too: none of the two alone says what to write
+    # a scale of values that are given too: none of the two alone says what to write; a list has a value for every joint
+    if f"{key}_scale" in limits or not limited.all():
         return []
     able = [joint for joint in range(len(now)) if widening[joint] > 1e-6]
     relaxations = []

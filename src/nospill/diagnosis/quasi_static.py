@@ -6,15 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from nospill.core.units import format_quantity
 from nospill.diagnosis.changes import advice
 from nospill.diagnosis.least_relaxation import wide_enough
 from nospill.diagnosis.search import MOST_TIME, SLOW, Trials
 from nospill.diagnosis.singularity import at_singularity
-from nospill.errors import REST, Change, ModelError, NoSolutionError, Reason
+from nospill.errors import MOTION, REST, Change, ModelError, NoSolutionError, Reason
 from nospill.judge.certificate import judge
 from nospill.judge.verdict import Certificate, Row
 from nospill.judge.wording import describe
 from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.laws.constraints.tilt import Tilt
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.joint_paths.no_joint_path import place_in_words
@@ -55,6 +57,8 @@ def require_possible_at_rest(trials: Trials) -> None:
     subject = key.subject
     rows = () if judged is None else judged[0].rows
     row = next((row for row in rows if row.id == key), None)
+    if key.constraint == JointSpeed.name:
+        raise _too_slow_a_joint(trials, joint_path, subject, row)
     use = 1.1 if row is None else max(row.use, 1.0)
     changes = [change for _, change in wide_enough(trials, key.constraint, subject, use - 1.0)]
     at_s = None if row is None or judged is None else path_place(judged[1], row.at_s)
@@ -64,6 +68,22 @@ def require_possible_at_rest(trials: Trials) -> None:
         f"No motion found: {finding} even standing still{where}. "
         + advice(changes, "Relax that limit or lighten the load."),
         Reason(REST, key.constraint, subject, at_s, use - 1.0, changes=tuple(changes)),
+    )
+
+
+def _too_slow_a_joint(trials: Trials, joint_path: JointPath, joint: str, row: Row | None) -> NoSolutionError:
+    """The error for a joint whose speed limit makes the path take longer than any motion may."""
+    scene = trials.run.scene
+    index, limit = scene.robot.joints.index(joint), max(trials.limit, SLOW)
+    turn = float(np.sum(np.abs(np.diff(joint_path.at(np.linspace(0.0, 1.0, 1001))[:, index]))))
+    at_most = float(scene.robot.max_speed[index])
+    peak = 2.0 * turn / limit if row is None else abs(row.worst_value)
+    slow, needed = (format_quantity(value, "angular_speed", digits=3) for value in (at_most, 1.05 * peak))
+    return NoSolutionError(
+        f"No motion found: the path turns {joint} by {format_quantity(turn, 'angle', digits=3)}, which takes "
+        f"{turn / at_most:.3g} s at its speed limit of {slow}. A smooth motion of {limit:.3g} s asks {needed} of it: "
+        "raise its limits.speed to that, or choose a path that turns it less.",
+        Reason(MOTION, JointSpeed.name, joint, None, peak / at_most - 1.0),
     )
 
 

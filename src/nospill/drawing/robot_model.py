@@ -18,10 +18,12 @@ class ChainJoint:
     Attributes:
         name: of the joint.
         child: name of the link it carries.
-        index: of its angle in q, or None where it does not move.
+        index: in q of the joint that turns it, its own or the one it follows, or None where it does not move.
         position: (3,) its origin in the frame of the joint before, m.
         rotation: (3, 3) its frame at angle zero, to the frame of the joint before.
         axis: (3,) unit vector it turns about, its own frame.
+        factor: its angle per angle of that joint.
+        offset: its angle where that joint is at zero, rad.
     """
 
     name: str
@@ -30,11 +32,13 @@ class ChainJoint:
     position: np.ndarray
     rotation: np.ndarray
     axis: np.ndarray
+    factor: float = 1.0
+    offset: float = 0.0
 
     def wxyz(self, q: np.ndarray) -> np.ndarray:
         """Attitude in the frame of the joint before for joint positions q (m, n), rad: (m, 4), (w, x, y, z)."""
         fixed = Rotation.from_matrix(self.rotation)
-        angle = np.zeros(len(q)) if self.index is None else np.asarray(q)[:, self.index]
+        angle = np.zeros(len(q)) if self.index is None else self.factor * np.asarray(q)[:, self.index] + self.offset
         return (fixed * Rotation.from_rotvec(angle[:, None] * self.axis)).as_quat()[:, [3, 0, 1, 2]]
 
 
@@ -61,7 +65,7 @@ def read_chain(urdf: str, joints: tuple[str, ...], tip: str, *, source: str = "r
 
     Args:
         urdf: the text.
-        joints: names of the moving joints in the order of q; all others stay at zero.
+        joints: names of the moving joints in the order of q; what follows them moves, all others stay at zero.
         tip: the flange link.
         source: what messages call the text.
 
@@ -132,13 +136,20 @@ def _joint(element: ElementTree.Element, joints: tuple[str, ...], source: str) -
     axis_element = element.find("axis")
     axis = three_numbers("1 0 0" if axis_element is None else axis_element.get("xyz", "1 0 0"), source)
     length = float(np.linalg.norm(axis))
+    mimic, factor, offset = element.find("mimic"), 1.0, 0.0
+    turned_by = name
+    if name not in joints and mimic is not None:
+        turned_by = mimic.get("joint", "")
+        factor, offset = float(mimic.get("multiplier", "1")), float(mimic.get("offset", "0"))
     return ChainJoint(
         name=name,
         child=_child(element),
-        index=joints.index(name) if name in joints else None,
+        index=joints.index(turned_by) if turned_by in joints else None,
         position=position,
         rotation=rotation,
         axis=axis / length if length > 0 else np.array([1.0, 0.0, 0.0]),
+        factor=factor,
+        offset=offset,
     )
 
 

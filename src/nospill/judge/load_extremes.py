@@ -17,7 +17,7 @@ from nospill.judge.replay import Replay
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints.joint_torque import JointTorque
 from nospill.laws.scene_parameters import flange_load, object_load
-from nospill.robots.kinematics.dynamics import NO_LOAD, Load, dynamics
+from nospill.robots.kinematics.dynamics import NO_LOAD, Load, dynamics, torque_joints
 from nospill.scene.cargo import Cargo
 from nospill.scene.perturbation import Perturbation, perturbed, without_swing
 from nospill.scene.scene import Scene
@@ -48,9 +48,9 @@ def worst_load_traces(scene: Scene, played: Replay) -> tuple[Trace, ...]:
         torques = per_number @ np.array([_numbers(object_load(item, scene.tray)) for item in extremes(cargo, scene)]).T
         highest += np.max(torques, axis=-1)
         lowest += np.min(torques, axis=-1)
-    limit = scene.robot.max_torque
+    limited, limit = list(torque_joints(scene.robot)), scene.robot.max_torque
     assert limit is not None  # it has subjects
-    values = np.where(highest >= -lowest, highest, lowest)
+    values = np.where(highest >= -lowest, highest, lowest)[:, limited]
     return tuple(
         Trace(
             JointTorque.name,
@@ -62,7 +62,7 @@ def worst_load_traces(scene: Scene, played: Replay) -> tuple[Trace, ...]:
             bound - abs(value),
             WORST_LOAD,
         )
-        for name, value, bound in zip(subjects, values.T, limit, strict=True)
+        for name, value, bound in zip(subjects, values.T, limit[limited], strict=True)
     )
 
 

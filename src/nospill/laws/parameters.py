@@ -281,6 +281,7 @@ class Structure:
 
     Attributes:
         joint_limits: which of "acceleration", "jerk" and "torque" are limited, beside position and speed.
+        torque_joints: indices of the joints whose torque is limited; others have zero in the place of a limit.
         motion_limits: which limits of the motion are stated that need not be, by their names in `MotionRules`.
         braking: whether joint speeds are limited near the ends of the ranges too.
         redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
@@ -301,6 +302,7 @@ class Structure:
     tip: str
     objects: tuple[ObjectStructure, ...]
     joint_limits: tuple[str, ...] = ()
+    torque_joints: tuple[int, ...] = ()
     redundant: bool = False
     regular: bool = False
     offset_free: bool = False

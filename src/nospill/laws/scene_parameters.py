@@ -26,7 +26,7 @@ from nospill.laws.parameters import (
 )
 from nospill.robots.description.urdf import without_place
 from nospill.robots.description.urdf_tree import rotation_of
-from nospill.robots.kinematics.dynamics import NO_LOAD, Load, load_of
+from nospill.robots.kinematics.dynamics import NO_LOAD, Load, load_of, torque_joints
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.base import MassProperties
@@ -49,6 +49,7 @@ def structure_of(scene: Scene) -> Structure:
         tip=scene.robot.tip,
         objects=tuple(object_structure(cargo) for cargo in scene.cargo),
         joint_limits=joint_limits(scene.robot),
+        torque_joints=torque_joints(scene.robot),
         redundant=len(scene.robot.joints) > 6,
         offset_free=scene.motion.corridor is not None,
         vias=len(scene.motion.via),
@@ -94,7 +95,10 @@ def _motion_limits(rules: MotionRules) -> tuple[str, ...]:
 
 
 def _further_limits(robot: Robot) -> dict[str, np.ndarray | None]:
-    torque = robot.max_torque if robot.inertias_known else None
+    limited = torque_joints(robot)
+    torque = None if robot.max_torque is None or not limited else np.zeros(len(robot.joints))
+    if torque is not None and robot.max_torque is not None:
+        torque[list(limited)] = robot.max_torque[list(limited)]
     return {"acceleration": robot.max_acceleration, "jerk": robot.max_jerk, "torque": torque}
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from nospill.core.arrays import read_only
 from nospill.robots.description.urdf_tree import UrdfTree, read_tree, rotation_of
-from nospill.robots.kinematics.bodies import chain_bodies, z_to
+from nospill.robots.kinematics.bodies import chain_bodies, turned_by, z_to
 from nospill.robots.robot import LinkCapsule, Robot
 
 CAPSULES = "capsules"
@@ -36,7 +36,7 @@ class PlacedCapsule:
 
     Attributes:
         link: that it belongs to.
-        joint: number of the moving joints before it, 0 for what stands still.
+        joint: number of the moving joints before it, those that follow others counted, 0 for what stands still.
         ends: (2, 3) of the segment in that joint's frame, m.
         radius: m.
     """
@@ -77,8 +77,9 @@ def link_places(tree: UrdfTree, joints: Sequence[str]) -> dict[str, tuple[int, n
         link = waiting.pop()
         number, position, rotation = places[link]
         for joint in children.get(link, []):
-            if joint.name in joints:
-                places[joint.child] = (joints.index(joint.name) + 1, np.zeros(3), z_to(joint.axis).T)
+            if turned_by(joint, joints) is not None:
+                # all of these stand in one chain
+                places[joint.child] = (number + 1, np.zeros(3), z_to(joint.axis).T)
             else:
                 place = position + rotation @ np.array(joint.position)
                 places[joint.child] = (number, place, rotation @ rotation_of(joint.rpy))
@@ -88,15 +89,14 @@ def link_places(tree: UrdfTree, joints: Sequence[str]) -> dict[str, tuple[int, n
 
 def chain_capsules(tree: UrdfTree, joints: Sequence[str], tip: str) -> tuple[LinkCapsule, ...]:
     """Capsules from joint to joint, thinner towards the flange, for an arm of which nothing else is known."""
-    chain = chain_bodies(tree, joints, tip)
+    chain, moving = chain_bodies(tree, joints, tip), [item for item in tree.way_to(tip) if turned_by(item, joints)]
     steps = [body.position for body in chain.bodies[1:]] + [chain.flange_position]
     lengths = [float(np.linalg.norm(step)) for step in (chain.bodies[0].position, *steps)]
     total, gone, found = sum(lengths), lengths[0], []
-    carried = {joint.name: joint for joint in tree.joints}
-    for name, step, length in zip(joints, steps, lengths[1:], strict=True):
-        lay = z_to(carried[name].axis)
+    for joint, step, length in zip(moving, steps, lengths[1:], strict=True):
+        lay = z_to(joint.axis)
         radius = total * (_THICK + (_THIN - _THICK) * (gone + length / 2) / total)
         end = tuple((lay @ step).tolist())
-        found.append(LinkCapsule(carried[name].child, (0.0, 0.0, 0.0), end, radius))
+        found.append(LinkCapsule(joint.child, (0.0, 0.0, 0.0), end, radius))
         gone += length
     return tuple(found)

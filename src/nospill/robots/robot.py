@@ -25,6 +25,21 @@ class LinkCapsule:
 
 
 @dataclass(frozen=True, slots=True)
+class Doubt:
+    """Something in the description of an arm that is hardly meant, or is stated and does not bind.
+
+    Attributes:
+        about: the same for all subjects: "tip", "joint speed", "joint torque".
+        subject: link, joint or arm.
+        text: a sentence or more with value, reason and what to try.
+    """
+
+    about: str
+    subject: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class LinkMesh:
     """A mesh of a link as a package has it.
 
@@ -91,9 +106,10 @@ class Robot:
         max_speed: joint speed limits, rad/s.
         max_acceleration: joint acceleration limits, rad/s^2, or None where they are not limited.
         max_jerk: joint jerk limits, rad/s^3, or None.
-        max_torque: joint torque limits, N m, or None.
+        max_torque: joint torque limits, N m, infinite for a joint without one, or None where no joint has any.
         braking: what limits joint speeds near the ends of the ranges beside `max_speed`, or None.
-        inertias_known: whether the URDF's masses and inertias are real, so that joint torques can be computed.
+        inertias_known: whether the URDF's masses and inertias are real, so that torques of joints with a limit can be
+            computed.
         home: (n,) configuration the arm stands in before and after, rad, or None. The scenario's if it gives one, else
             the catalogue's.
         payload: kg, or None.
@@ -107,6 +123,7 @@ class Robot:
         self_collision: whether the arm is kept from touching itself, its tray and its cargo.
         meshes: what an installed package shows of it, or None.
         notes: what was assumed when its description was read, one sentence each, for people.
+        doubts: what in its description is hardly meant, or stated and not applied.
     """
 
     name: str
@@ -133,3 +150,4 @@ class Robot:
     self_collision: bool = True
     meshes: PackagedMeshes | None = None
     braking: Braking | None = None
+    doubts: tuple[Doubt, ...] = ()

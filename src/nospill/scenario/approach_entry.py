@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field
 from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity
 from nospill.errors import ROBOT, Change, Reason, ScenarioError
+from nospill.robots.description.limits import within_limits
 from nospill.robots.robot import Robot
 from nospill.scenario.fields import JOINT_ANGLE, JointValues, Measured, WordOr
 from nospill.scenario.tables import Given, OptionalQuantityOrList, Quantity, Table, Values, default
@@ -90,14 +91,8 @@ class ApproachTable(Table):
                 )
             return robot.home
         _require_count(self.start, "from", robot)
-        for name, value, lower, upper in zip(robot.joints, self.start, robot.lower, robot.upper, strict=True):
-            if not lower <= value <= upper:
-                raise ScenarioError(
-                    f"from has {name} at {format_quantity(value, 'angle')}, outside its limits; it must be from "
-                    f"{format_quantity(lower, 'angle')} to {format_quantity(upper, 'angle')}",
-                    _start_reason(self.start, robot, name),
-                )
-        return np.array(self.start)
+        start = self.start
+        return within_limits(robot, start, "from", lambda name: _start_reason(start, robot, name))[0]
 
 
 def _start_reason(start: tuple[float, ...], robot: Robot, joint: str) -> Reason:

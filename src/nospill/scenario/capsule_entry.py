@@ -13,7 +13,8 @@ from nospill.core.units import as_written
 from nospill.errors import ScenarioError
 from nospill.robots.capsules import CAPSULES, ESTIMATED, chain_capsules
 from nospill.robots.description.collision_geometry import collision_capsules
-from nospill.robots.description.urdf import hint_of, read_arm, some
+from nospill.robots.description.urdf import read_arm
+from nospill.robots.description.urdf_followers import hint_of, some
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.robot import LinkCapsule, Robot
 from nospill.scenario.fields import Point, Size

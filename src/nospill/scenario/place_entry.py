@@ -10,10 +10,10 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from nospill.core.arrays import read_only
 from nospill.core.attitudes import angles_between
 from nospill.core.units import format_quantity
 from nospill.errors import ModelError, ScenarioError
+from nospill.robots.description.limits import within_limits
 from nospill.robots.description.urdf_tree import about_axis
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
@@ -26,6 +26,9 @@ MOST_MOVED = math.radians(0.5)
 """How far each joint may be from where it holds the tray at the start of a given path, likewise."""
 _SHOWN_LEAN = 1e-4
 """rad; from which on a note tells of it."""
+
+_ROUNDING = 1e-9
+"""rad; by which joints that hold the tray level may be outside their limits: the pose is off by no more than that."""
 
 
 class PlaceTable(Table):
@@ -55,17 +58,22 @@ class Placed(PlaceTable):
     Attributes:
         lean: of the tray in stated joints, rad, which are level now.
         moved: how far the joints are from those that were stated, rad.
+        measured: which of those were at a limit and a hair beyond, one sentence each.
     """
 
     lean: float = 0.0
     moved: float = 0.0
+    measured: tuple[str, ...] = ()
 
     def note(self, key: str) -> tuple[str, ...]:
         """What was changed, for people."""
         if self.lean < _SHOWN_LEAN:
-            return ()
+            return self.measured
         lean, moved = (format_quantity(value, "angle", digits=3) for value in (self.lean, self.moved))
-        return (f"{key}: the tray leans {lean} in the stated joints; level, they are up to {moved} from them",)
+        return (
+            f"{key}: the tray leans {lean} in the stated joints; level, they are up to {moved} from them",
+            *self.measured,
+        )
 
 
 def resolve_place(entry: PlaceTable, key: str, robot: Robot, tool: Tool) -> Placed:
@@ -91,7 +99,7 @@ def resolve_place(entry: PlaceTable, key: str, robot: Robot, tool: Tool) -> Plac
     from nospill.robots.kinematics.forward import kinematics
     from nospill.robots.kinematics.newton import solve_joints
 
-    q = _within_limits(entry.joints, f"{key}.joints", robot)
+    q, measured = _within_limits(entry.joints, f"{key}.joints", robot)
     positions, rotations = kinematics(robot).poses(q[None], tool=tool)
     lean = math.acos(min(1.0, float(rotations[0, 2, 2])))
     if lean > MOST_LEAN:
@@ -104,10 +112,10 @@ def resolve_place(entry: PlaceTable, key: str, robot: Robot, tool: Tool) -> Plac
         raise ScenarioError(f"{key}.joints: no joints near them hold the tray level; the arm is straight") from None
     inside = np.clip(level, robot.lower, robot.upper)
     moved = float(np.max(np.abs(level - q)))
-    if np.any(inside != level):
+    if np.any(np.abs(inside - level) > _ROUNDING):
         raise ScenarioError(f"{key}.joints: level, a joint would be outside its limits; move it away from them")
     x, y, z = positions[0].tolist()
-    return Placed(position=(x, y, z), yaw=yaw, joints=level.tolist(), lean=lean, moved=moved)
+    return Placed(position=(x, y, z), yaw=yaw, joints=inside.tolist(), lean=lean, moved=moved, measured=measured)
 
 
 def joints_at(joints: Sequence[float], key: str, pose: np.ndarray, robot: Robot, tool: Tool) -> list[float]:
@@ -128,13 +136,14 @@ def joints_at(joints: Sequence[float], key: str, pose: np.ndarray, robot: Robot,
     from nospill.robots.kinematics.forward import kinematics
     from nospill.robots.kinematics.newton import solve_joints
 
-    q, level = _within_limits(joints, key, robot), about_axis((0.0, 0.0, 1.0), float(pose[3]))
+    (q, _), level = _within_limits(joints, key, robot), about_axis((0.0, 0.0, 1.0), float(pose[3]))
     positions, rotations = kinematics(robot).poses(q[None], tool=tool)
     gap, turn = float(np.linalg.norm(positions[0] - pose[:3])), float(angles_between(level[None], rotations)[0])
     with suppress(ModelError):
         found = solve_joints(robot, pose[None, :3], level[None], q[None], tool=tool)[0]
-        if np.abs(found - q).max() <= MOST_MOVED and np.all((robot.lower <= found) & (found <= robot.upper)):
-            return found.tolist()
+        inside = np.clip(found, robot.lower, robot.upper)
+        if np.abs(found - q).max() <= MOST_MOVED and np.abs(inside - found).max() <= _ROUNDING:
+            return inside.tolist()
     far, turned, most = (
         format_quantity(*value, digits=3) for value in ((gap, "length"), (turn, "angle"), (MOST_MOVED, "angle"))
     )
@@ -144,14 +153,8 @@ def joints_at(joints: Sequence[float], key: str, pose: np.ndarray, robot: Robot,
     )
 
 
-def _within_limits(joints: Sequence[float], key: str, robot: Robot) -> np.ndarray:
+def _within_limits(joints: Sequence[float], key: str, robot: Robot) -> tuple[np.ndarray, tuple[str, ...]]:
     if len(joints) != len(robot.joints):
         names = ", ".join(robot.joints)
         raise ScenarioError(f"{key} has {len(joints)} angles where {len(robot.joints)} are needed: {names}")
-    for name, value, lower, upper in zip(robot.joints, joints, robot.lower, robot.upper, strict=True):
-        if not lower <= value <= upper:
-            raise ScenarioError(
-                f"{key} has {name} at {format_quantity(value, 'angle')}, outside its limits; it must be from "
-                f"{format_quantity(lower, 'angle')} to {format_quantity(upper, 'angle')}"
-            )
-    return read_only(np.array(joints))
+    return within_limits(robot, joints, key)

@@ -23,10 +23,11 @@ from nospill.robots.description.limits import (
     with_home,
 )
 from nospill.robots.description.urdf import BasePose, UrdfArm, read_arm, standalone_urdf
+from nospill.robots.description.urdf_arm_limits import torque_doubt, urdf_limits
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.robot import Robot
 from nospill.scenario.capsule_entry import MOST_CAPSULES, LinkCapsuleTable, fitted_capsules, with_capsules
-from nospill.scenario.fields import ANGLE, FREE, JOINT_ANGLE, Angle, JointValues, Measured, Point, WordOr
+from nospill.scenario.fields import ANGLE, FREE, JOINT_ANGLE, Angle, JointValues, Measured, Point, Vector, WordOr
 from nospill.scenario.tables import Given, OptionalQuantity, OptionalQuantityOrList, Table, Values, default
 
 _LARGEST_URDF = 10_000_000
@@ -109,6 +110,14 @@ class RobotTable(Table):
     tip: Annotated[
         str | None, Field(strict=True, description="frame of the flange; tool0, flange or the only end if not given")
     ] = None
+    tip_rpy: Annotated[
+        tuple[float, ...],
+        Vector(entry=ANGLE, axes=("roll", "pitch", "yaw")),
+        Field(
+            description="turn of the flange against that frame about its x (roll), then y (pitch), then z (yaw), for a "
+            "frame whose z axis does not point out of the flange"
+        ),
+    ] = default((0.0, 0.0, 0.0))
     base_position: Annotated[Point, Field(description="origin of the arm's root in the world of path and gravity")] = (
         default(
             (
@@ -185,26 +194,40 @@ class RobotTable(Table):
         yaw = 0.0 if isinstance(self.base_yaw, str) else self.base_yaw
         base = BasePose(self.base_position, (self.base_roll, self.base_pitch, yaw))
         if self.model is not None:
-            known = moved_robot(load_robot(self.model), tip=self.tip, base=base, locked=self.locked)
+            model = load_robot(self.model)
+            known = moved_robot(model, tip=self.tip, tip_rpy=self.tip_rpy, base=base, locked=self.locked)
             arm = LimitedArm(known.name, known.joints, known.inertias_known)
             robot = replace(known, **self._limits(limits_of(known), arm).fields())
         else:
-            read = read_arm(self.urdf_text or "", tip=self.tip, base=base, locked=self.locked)
-            arm = LimitedArm(read.name, read.joints, read.inertia_fault is None, read.inertia_fault)
-            robot = Robot(
-                name=read.name,
-                title=f"{read.name} (own URDF)",
-                urdf=read.urdf,
-                joints=read.joints,
-                tip=read.tip,
-                payload=None,
-                reach=None,
-                inertias_known=arm.inertias_known,
-                notes=read.notes,
-                **self._limits(_urdf_limits(read), arm).fields(),
-            )
+            text = self.urdf_text or ""
+            robot = self._own(read_arm(text, tip=self.tip, tip_rpy=self.tip_rpy, base=base, locked=self.locked))
         robot = replace(robot, self_collision=self.self_collision == "on")
         return with_home(with_capsules(robot, self.capsule, known=self.urdf_text or robot.urdf), self.home)
+
+    def _own(self, read: UrdfArm) -> Robot:
+        """The arm of a URDF."""
+        arm = LimitedArm(read.name, read.joints, read.inertia_fault is None, read.inertia_fault, read.not_set)
+        applied = bool(read.torque_known.any())
+        limits = self._limits(urdf_limits(read), arm)
+        stated = {"joint speed"} if self.limits.speed is not None else set[str]()
+        stated |= {"joint position"} if self.limits.lower is not None and self.limits.upper is not None else set()
+        own_torque = self.limits.torque is not None or self.limits_applied != "all"
+        return Robot(
+            name=read.name,
+            title=f"{read.name} (own URDF)",
+            urdf=read.urdf,
+            joints=read.joints,
+            tip=read.tip,
+            payload=None,
+            reach=None,
+            inertias_known=applied,
+            notes=read.notes,
+            doubts=(
+                *(doubt for doubt in read.doubts if doubt.about not in stated),
+                *(() if own_torque else torque_doubt(read)),
+            ),
+            **limits.fields(),
+        )
 
     def _fitted(self, text: str, folder: FilePath, needed: bool) -> dict[str, object]:
         if not needed or self.capsule is not None:
@@ -235,26 +258,3 @@ def _from_file(file: FilePath, shown: str) -> str:
     except ScenarioError as error:
         raise ScenarioError(f"urdf {as_written(shown)}: {error}") from None
     return text
-
-
-def _urdf_limits(arm: UrdfArm) -> JointLimits:
-    """Joint limits of an arm from a URDF; torques only where every joint has one and the inertias are real."""
-    real = arm.inertia_fault is None
-    torque_set = bool((arm.max_torque > 0.0).all())
-    not_known = ["payload", "reach", "joint acceleration", "joint jerk"]
-    if not (real and torque_set):
-        not_known.append("joint torque")
-    if not real:
-        not_known.append("link masses and inertias")
-    return JointLimits(
-        lower=arm.lower,
-        upper=arm.upper,
-        max_speed=arm.max_speed,
-        max_acceleration=None,
-        max_jerk=None,
-        max_torque=arm.max_torque if torque_set and real else None,
-        sources=dict.fromkeys(
-            ("chain", "position", "speed", *(("torque",) if torque_set and real else ())), "the URDF"
-        ),
-        not_known=tuple(not_known),
-    )

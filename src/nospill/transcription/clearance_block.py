@@ -19,9 +19,8 @@ from nospill.compiled import codegen
 from nospill.compiled.kept import kept
 from nospill.core.frames import SX
 from nospill.laws.constraints.clearance import Clearance
-from nospill.robots.description.urdf_tree import read_tree
-from nospill.robots.kinematics.bodies import chain_bodies
-from nospill.robots.kinematics.chain import frame_in_frame
+from nospill.robots.kinematics.chain import frame_in_frame, joints_between
+from nospill.robots.kinematics.frames import arm_chain
 from nospill.transcription.tray_block import functions_of
 
 PLANE = 3
@@ -49,7 +48,8 @@ class Between:
 
     Attributes:
         urdf, joints, tip: of the arm.
-        inner: number of the moving joints before the body that the plane is fixed to, 0 where it stands still.
+        inner: number of the moving joints (those that follow others counted) before the body that the plane is fixed
+            to, 0 where it stands still.
         outer: before the body that keeps away from it; as many for the row of the first body itself.
     """
 
@@ -60,9 +60,14 @@ class Between:
     outer: int
 
     @property
+    def read(self) -> list[int]:
+        """Indices in q of the joints that turn what is between the two; none of the row of the first body itself."""
+        return joints_between(arm_chain(self), self.inner, self.outer)
+
+    @property
     def count(self) -> int:
-        """How many joints there are between the two."""
-        return self.outer - self.inner
+        """How many joints these are."""
+        return len(self.read)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,16 +93,16 @@ def clearance_block(between: Between) -> ClearanceBlock:
 
 
 def _build(between: Between) -> codegen.Functions:
-    z, own = SX.sym("z", between.count + PLANE), SX.sym("own", NUMBERS)
+    count = between.count
+    z, own = SX.sym("z", count + PLANE), SX.sym("own", NUMBERS)
     multipliers = SX.sym("l", COEFFICIENTS)
-    q, turns, way = z[: between.count], z[between.count : between.count + 2], z[-1]
-    chain = chain_bodies(read_tree(between.urdf), between.joints, between.tip)
-    position, rotation = frame_in_frame(chain, between.inner, q)
+    q, turns, way = z[:count], z[count : count + 2], z[-1]
+    position, rotation = frame_in_frame(arm_chain(between), between.inner, between.outer, q)
     normal = (own[NORMAL] + ca.reshape(own[ACROSS], 3, 2) @ turns) / ca.sqrt(1 + ca.sumsqr(turns))
     beyond = own[OFFSET] + Clearance.least_size * way - ca.dot(normal, position)
     seen = rotation.T @ normal  # from the body's joint
     reach = ca.sqrt(1 - ca.dot(seen, own[AXIS]) ** 2 + _ROUNDED)
-    distance = ca.vertcat(beyond, -seen) if between.count else ca.vertcat(-beyond, seen)
+    distance = ca.vertcat(beyond, -seen) if count else ca.vertcat(-beyond, seen)
     coefficients = ca.vertcat(distance, -reach) / Clearance.least_size
     rows, columns = upper_triangle(z.numel())
     hessian = ca.densify(ca.hessian(ca.dot(multipliers, coefficients), z)[0])

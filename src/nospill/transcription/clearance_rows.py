@@ -88,7 +88,7 @@ class ClearanceRows:
     def _columns_of(self, group: Group) -> np.ndarray:
         """(bodies, joints and `PLANE`) variables that each body beside a plane reads."""
         layout, (node, plane, _) = self._layout, np.array(group.places).T[:, :, None]
-        joints = layout.joint_position.start + np.arange(group.between.inner, group.between.outer)
+        joints = layout.joint_position.start + np.array(group.between.read, dtype=int)
         of_motion = self._intervals * layout.size + layout.states
         return np.hstack([node * layout.size + joints, of_motion + PLANE * plane + np.arange(PLANE)])
 

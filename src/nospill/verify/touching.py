@@ -13,8 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from nospill.core.shapes import Shape, polyhedron
 from nospill.robots.capsules import placed_capsules
-from nospill.robots.description.urdf_tree import read_tree
-from nospill.robots.kinematics.bodies import chain_bodies
+from nospill.robots.kinematics.frames import arm_chain
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.scene.tray import TRAY_THICKNESS
@@ -64,7 +63,7 @@ def touches(scene: Scene, t: np.ndarray, q: np.ndarray) -> tuple[Touch, ...]:
         names = [model.geom(index).name.partition(":")[0] for index in range(model.ngeom)]
         moving = model.geom_contype == 1
         found: dict[tuple[str, str], Touch] = {}
-        for now, joints in zip(t, q, strict=True):
+        for now, joints in zip(t, arm_chain(scene.robot).angles(q), strict=True):
             data.qpos[:] = joints
             engine.mj_fwdPosition(model, data)
             for index in range(data.ncon):
@@ -83,7 +82,7 @@ def touches(scene: Scene, t: np.ndarray, q: np.ndarray) -> tuple[Touch, ...]:
 def _text(scene: Scene) -> str:
     """The arm as a chain of hinges, with its load on the last, and the obstacles."""
     robot = scene.robot
-    chain = chain_bodies(read_tree(robot.urdf), robot.joints, robot.tip)
+    chain = arm_chain(robot)
     capsules = placed_capsules(robot)
     assets: list[str] = []
     inner = _load(scene, chain.flange_position, chain.flange_rotation, assets)

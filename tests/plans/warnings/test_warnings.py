@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,9 +18,11 @@ from nospill.judge.certificate import Judgement, judge
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.warnings import WARNINGS, plan_warnings
-from nospill.plans.warnings.arm import no_mass
+from nospill.plans.warnings.arm import doubts, no_mass
 from nospill.plans.warnings.liquids import distance_to_the_rim, sloping_wall
+from nospill.plans.warnings.objects import hardly_meant, outer_volume
 from nospill.plans.warnings.record import Facts, PlanWarning, warning_lines
+from nospill.robots.robot import Doubt
 from nospill.scenario import read_scenario
 from nospill.scene.containers.vessels import Profile
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
@@ -56,7 +59,7 @@ def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
         "robot.base_position": ["0 m", "0 m", "0 m"],
         "planning": {},
     }
-    assert len(WARNINGS) == 22
+    assert len(WARNINGS) == 24
     assert found(quiet) == {}
 
 
@@ -289,3 +292,46 @@ def test_one_line_for_each_kind() -> None:
         [PlanWarning("crest", "c1", "high."), PlanWarning("damping", "c1", "x."), PlanWarning("crest", "c2", "high.")]
     )
     assert lines == ["crest: c1: high. Likewise: c2.", "damping: c1: x."]
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind", "words"),
+    [
+        ({"cargo.0.liquid_height": "0.5 mm", "cargo.0.max_slosh_height": "5 mm"}, "liquid height", "0.5 mm deep"),
+        ({"tray.friction": 1.5}, "friction", "more than rubber"),
+    ],
+)
+def test_numbers_of_objects_that_are_hardly_meant(
+    changed_scene: Any, changes: dict[str, Any], kind: str, words: str
+) -> None:
+    scene = changed_scene(NAME, changes)
+    told = {(item.name, item.subject): item.text for item in _hardly_meant(scene)}
+    assert words in told[kind, scene.cargo[0].name]
+    assert _hardly_meant(changed_scene(NAME, {})) == []
+
+
+@pytest.mark.parametrize(("factor", "words"), [(1000.0, "denser than brass"), (1e-3, "as light as air")])
+def test_masses_in_other_units_are_asked_about(changed_scene: Any, factor: float, words: str) -> None:
+    scene = changed_scene(NAME, {})
+    item = scene.cargo[0]
+    wrong = replace(item, empty=replace(item.empty, mass=0.08 * factor))
+    (told,) = _hardly_meant(replace(scene, cargo=(wrong, *scene.cargo[1:])))
+    assert (told.name, told.subject) == ("mass", item.name) and words in told.text
+    (board,) = _hardly_meant(replace(scene, tray=replace(scene.tray, mass=80.0)))
+    assert board.subject == "tray" and "25 mm of steel" in board.text
+
+
+def test_the_volume_of_a_cup_is_that_of_its_outside(changed_scene: Any) -> None:
+    cup = changed_scene(NAME, {}).cargo[0]
+    assert outer_volume(cup) == pytest.approx(math.pi * 0.035**2 * 0.0991, rel=0.02)
+
+
+def _hardly_meant(scene: Any) -> list[PlanWarning]:
+    return list(hardly_meant(SimpleNamespace(scene=scene)))  # type: ignore[arg-type]
+
+
+def test_doubts_about_the_arm_are_warnings(changed_scene: Any) -> None:
+    scene = changed_scene(NAME, {})
+    robot = replace(scene.robot, doubts=(Doubt("tip", "flange", "it lies square."),))
+    told = list(doubts(SimpleNamespace(scene=replace(scene, robot=robot))))  # type: ignore[arg-type]
+    assert told == [PlanWarning("tip", "flange", "it lies square.")]

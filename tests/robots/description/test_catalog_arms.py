@@ -9,8 +9,8 @@ import pytest
 from nospill.robots.description.catalog import ROBOTS, load_robot, moved_robot, robot_table
 from nospill.robots.description.urdf import read_arm
 from nospill.robots.description.urdf_tree import read_tree
-from nospill.robots.kinematics.bodies import inertia_fault
 from nospill.robots.kinematics.forward import kinematics
+from nospill.robots.kinematics.inertias import inertia_faults
 from nospill.scenario.robot_entry import JointLimitsTable, RobotTable
 
 FORWARD = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
@@ -125,7 +125,7 @@ def test_data_file_and_description_agree(name):
         assert np.isnan(arm.max_torque).all()
     else:
         np.testing.assert_array_equal(arm.max_torque, robot.max_torque)
-    assert (inertia_fault(read_tree(robot.urdf), robot.joints) is None) == robot.inertias_known
+    assert (inertia_faults(read_tree(robot.urdf), robot.joints).reason is None) == robot.inertias_known
     assert not [element for element in ElementTree.fromstring(robot.urdf).iter() if element.tag in ("visual", "mesh")]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, JointKey, Range, Role
 from nospill.laws.sample import Sample
-from nospill.robots.kinematics.dynamics import Load, torque_expression
+from nospill.robots.kinematics.dynamics import Load, torque_expression, torque_joints
 from nospill.scene.scene import Scene
 
 
@@ -23,17 +23,16 @@ class JointTorque(Constraint):
     limit_key = JointKey("torque", "max_torque", "torque", falls_with_load=True)
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every joint, where the robot's torques are limited and can be computed."""
-        limited = scene.robot.max_torque is not None and scene.robot.inertias_known
-        return scene.robot.joints if limited else ()
+        """Every joint whose torque is limited, where torques can be computed."""
+        return tuple(scene.robot.joints[joint] for joint in torque_joints(scene.robot))
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
-        """One range per joint."""
-        if "torque" not in sample.structure.joint_limits:
+        """One range per joint that has a limit."""
+        if not sample.structure.torque_joints:
             return ()
         numbers, q, qd, qdd = sample.numbers, sample.joint_position, sample.joint_speed, sample.joint_acceleration
         assert q is not None and qd is not None and qdd is not None
         load = Load(numbers.load_mass, numbers.load_first_moment, numbers.load_inertia)
         torque = torque_expression(sample.structure, q, qd, qdd, load, gravity=numbers.gravity)
         limit = numbers.max_torque
-        return tuple((Range(torque[i], -limit[i], limit[i], limit[i]),) for i in range(q.numel()))
+        return tuple((Range(torque[i], -limit[i], limit[i], limit[i]),) for i in sample.structure.torque_joints)

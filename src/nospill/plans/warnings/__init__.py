@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from nospill.judge.certificate import Judgement
 from nospill.plans.warnings.arm import (
     below_the_base,
+    doubts,
     estimated_touch,
     no_joint_acceleration_limit,
     no_mass,
@@ -30,6 +31,7 @@ from nospill.plans.warnings.liquids import (
     surface_tension_value,
     viscosity,
 )
+from nospill.plans.warnings.objects import hardly_meant
 from nospill.plans.warnings.record import Facts, PlanWarning, Warn
 from nospill.plans.warnings.reserves import back_off, no_reserve
 from nospill.plans.warnings.smoothness import smoothness
@@ -37,6 +39,7 @@ from nospill.scene.scene import Scene
 
 WARNINGS: tuple[Warn, ...] = (
     fallback,
+    doubts,
     crest,
     sloping_wall,
     distance_to_the_rim,
@@ -50,6 +53,7 @@ WARNINGS: tuple[Warn, ...] = (
     surface_tension_value,
     no_joint_acceleration_limit,
     no_mass,
+    hardly_meant,
     below_the_base,
     self_collision_off,
     estimated_touch,

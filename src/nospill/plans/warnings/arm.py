@@ -1,4 +1,4 @@
-"""Warnings about the arm: limits and masses that nobody states, and the floor it stands on."""
+"""Warnings about the arm: doubts about its description, limits and masses nobody states, the floor it stands on."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.joint_acceleration import JointAcceleration
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.robots.description.urdf import base_pose
+from nospill.robots.kinematics.dynamics import torque_joints
 
 _LEAST_MASS = 1e-6
 """kg; no vessel is lighter."""
@@ -34,13 +35,19 @@ def no_joint_acceleration_limit(facts: Facts) -> Iterator[PlanWarning]:
     yield PlanWarning(JointAcceleration.name, robot.name, text, float(np.max(largest)))
 
 
+def doubts(facts: Facts) -> Iterator[PlanWarning]:
+    """What the arm's description states and is hardly meant, or does not bind."""
+    for doubt in facts.scene.robot.doubts:
+        yield PlanWarning(doubt.about, doubt.subject, doubt.text)
+
+
 def no_mass(facts: Facts) -> Iterator[PlanWarning]:
     """A tray, or a vessel, has no mass: joint torques, where they are limited, and contact leave its weight out.
 
     In the published equations of contact the mass of an object cancels.
     """
     scene = facts.scene
-    torque = scene.robot.max_torque is not None and scene.robot.inertias_known
+    torque = bool(torque_joints(scene.robot))
     if scene.tray.mass == 0.0 and torque:
         text = (
             "no mass of the board is stated, so that the joint torques are without its weight; give mass under [tray]."

@@ -14,7 +14,7 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
-from nospill.robots.description.urdf import NO_LOCKS, WORLD, BasePose, read_arm
+from nospill.robots.description.urdf import NO_LOCKS, NO_TURN, WORLD, BasePose, read_arm
 from nospill.robots.robot import Braking, LinkCapsule, LinkMesh, PackagedMeshes, Robot
 
 ROBOTS: dict[str, str] = {
@@ -77,22 +77,28 @@ def load_robot(name: str) -> Robot:
 
 
 def moved_robot(
-    robot: Robot, *, tip: str | None = None, base: BasePose = WORLD, locked: Mapping[str, object] = NO_LOCKS
+    robot: Robot,
+    *,
+    tip: str | None = None,
+    tip_rpy: Sequence[float] = NO_TURN,
+    base: BasePose = WORLD,
+    locked: Mapping[str, object] = NO_LOCKS,
 ) -> Robot:
     """Return an arm of the catalogue with another base pose, flange frame or joints that stand still.
 
     Args:
         robot: the arm.
         tip: another frame of its URDF, or None.
+        tip_rpy: turn of the flange against that, as for `read_arm`.
         base: pose of its root in the world.
         locked: joint -> angle at which it stands still ("30 deg", rad).
 
     Raises:
         ScenarioError: as for `read_arm`.
     """
-    if not (base.moved() or locked or (tip is not None and tip != robot.tip)):
+    if not (base.moved() or locked or any(tip_rpy) or (tip is not None and tip != robot.tip)):
         return robot
-    arm = read_arm(robot.urdf, tip=tip or robot.tip, base=base, locked=locked)
+    arm = read_arm(robot.urdf, tip=tip or robot.tip, tip_rpy=tip_rpy, base=base, locked=locked)
     kept = [robot.joints.index(name) for name in arm.joints]
 
     def of_kept(values: np.ndarray | None) -> np.ndarray | None:
@@ -112,6 +118,8 @@ def moved_robot(
         home=of_kept(robot.home),
         braking=_braking_of(robot.braking, kept),
         notes=(*robot.notes, *arm.notes),
+        # limits and masses are the catalogue's, not the description's
+        doubts=tuple(doubt for doubt in arm.doubts if doubt.about == "tip"),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -10,11 +10,14 @@ import numpy as np
 
 from nospill.core.arrays import read_only
 from nospill.core.units import format_quantity
-from nospill.errors import ScenarioError
+from nospill.errors import Reason, ScenarioError
 from nospill.robots.robot import Robot
 
 PerJoint = float | tuple[float, ...] | None
 """A value for each joint, one for all, or none given."""
+
+MEASURED = 1e-4
+"""rad; by which positions that a controller reports may be outside the limits: as far as a start may be missed."""
 
 _EXAMPLES = {"speed": "140 deg/s", "lower": "-170 deg", "upper": "170 deg"}
 _DIMENSIONS = {
@@ -99,12 +102,14 @@ class LimitedArm:
         joints: names of its moving joints.
         inertias_known: whether joint torques can be computed.
         inertia_fault: why its inertias cannot be real, or None.
+        not_set: key of a limit -> joint -> why its description sets none, as the end of "the URDF states ...".
     """
 
     name: str
     joints: tuple[str, ...]
     inertias_known: bool
     inertia_fault: str | None = None
+    not_set: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 def limits_of(robot: Robot) -> JointLimits:
@@ -146,13 +151,13 @@ def changed_limits(limits: JointLimits, changes: LimitChanges, arm: LimitedArm) 
                 value = value * scale
                 sources[kind] = f"{sources.get(kind, 'the data of the robot')}; scaled to {100.0 * scale:.6g} %"
         values[key] = value
-    if values["torque"] is not None and not arm.inertias_known:
+    if changes.max_torque is not None and not arm.inertias_known:
         reason = arm.inertia_fault or "nobody states them"
         raise ScenarioError(
             f"limits.torque is given, but the masses and inertias of robot {arm.name!r} are not known ({reason}), "
             "so torques cannot be computed; leave it out or give a URDF with real inertias"
         )
-    _check(arm.joints, values)
+    _check(arm, values)
     changed: dict[str, Any] = {name: values[key] for name, key in _KEYS.items()}
     return JointLimits(**changed, sources=sources, not_known=tuple(not_known))
 
@@ -186,13 +191,43 @@ def with_home(robot: Robot, home: Sequence[float] | None) -> Robot:
     joints = robot.joints
     if len(home) != len(joints):
         raise ScenarioError(_count("home", len(home), joints))
-    for name, value, lower, upper in zip(joints, home, robot.lower, robot.upper, strict=True):
-        if not lower <= value <= upper:
+    inside, notes = within_limits(robot, home, "home")
+    return replace(robot, home=inside, notes=(*robot.notes, *notes))
+
+
+def within_limits(
+    robot: Robot, q: Sequence[float] | np.ndarray, key: str, reason: Callable[[str], Reason] | None = None
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Joint positions as a controller reports them, within the limits: at one where they are a hair beyond.
+
+    Args:
+        robot: the arm.
+        q: (n,) rad.
+        key: what the positions are called in the scenario.
+        reason: of a refusal, for programs, from the name of the joint.
+
+    Returns:
+        (n,) rad, read-only, and a sentence where a joint was moved to its limit.
+
+    Raises:
+        ScenarioError: a joint is farther than `MEASURED` outside its limits; the message starts with the key.
+    """
+    notes = []
+    for name, value, lower, upper in zip(robot.joints, q, robot.lower, robot.upper, strict=True):
+        beyond = max(float(lower - value), float(value - upper))
+        if beyond > MEASURED:
             raise ScenarioError(
-                f"home has {name} at {format_quantity(value, 'angle')}, outside its limits; it must be from "
-                f"{format_quantity(lower, 'angle')} to {format_quantity(upper, 'angle')}"
+                f"{key} has {name} at {format_quantity(float(value), 'angle')}, outside its limits by "
+                f"{format_quantity(beyond, 'angle', digits=3)}; it must be from "
+                f"{format_quantity(float(lower), 'angle')} to {format_quantity(float(upper), 'angle')}",
+                None if reason is None else reason(name),
             )
-    return replace(robot, home=read_only(np.array(home)))
+        if beyond > 0.0:
+            notes.append(
+                f"{key} has {name} {beyond:.2g} rad beyond its limit; up to {MEASURED:g} rad counts as measured, and "
+                "it is taken at the limit"
+            )
+    return read_only(np.clip(np.array(q, dtype=float), robot.lower, robot.upper)), tuple(notes)
 
 
 def _per_joint(given: float | tuple[float, ...], key: str, joints: Sequence[str]) -> np.ndarray:
@@ -209,14 +244,23 @@ def _count(key: str, given: int, joints: Sequence[str]) -> str:
     return f"{key} has {values} where {len(joints)} are needed, one for each of {', '.join(joints)}"
 
 
-def _check(joints: Sequence[str], values: dict[str, np.ndarray | None]) -> None:
+def _stated(joints: Sequence[str], reasons: Mapping[str, str]) -> str:
+    """What a URDF states in the place of limits: each reason with its joints."""
+    found: dict[str, list[str]] = {}
+    for name in joints:
+        found.setdefault(reasons.get(name, "none"), []).append(name)
+    return ", and ".join(f"{reason} (joint {', '.join(own)})" for reason, own in found.items())
+
+
+def _check(arm: LimitedArm, values: dict[str, np.ndarray | None]) -> None:
+    joints = arm.joints
     for key in ("lower", "upper", "speed"):
         value = values[key]
         assert value is not None
         missing = [name for name, entry in zip(joints, value, strict=True) if np.isnan(entry)]
         if missing:
             raise ScenarioError(
-                f"limits.{key} is missing: the URDF sets none for {', '.join(missing)} (placeholders do not count); "
+                f"limits.{key} is missing: the URDF states {_stated(missing, arm.not_set.get(key, {}))}; "
                 f'write it under [robot.limits], for example {key} = "{_EXAMPLES[key]}", or a list, one for each joint'
             )
     lower, upper = values["lower"], values["upper"]

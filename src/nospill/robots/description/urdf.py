@@ -1,4 +1,4 @@
-"""From any URDF text to the chain of an arm: base pose and locked joints built in, placeholder limits left out."""
+"""From any URDF text to the chain of an arm: base pose, locked joints and a turned tip built in, limits by evidence."""
 
 from __future__ import annotations
 
@@ -6,38 +6,25 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from nospill.core.arrays import read_only
-from nospill.core.suggestions import nearest
-from nospill.core.units import format_quantity, quantity
 from nospill.errors import ScenarioError
-from nospill.robots.description.urdf_tree import (
-    UrdfJoint,
-    UrdfTree,
-    about_axis,
-    read_tree,
-    rotation_of,
-    rpy_of,
-    write_tree,
-)
-from nospill.robots.kinematics.bodies import inertia_fault
-
-USUAL_TIPS = ("tool0", "flange")
-"""Frames taken as the tip when none is named, the first that exists: names of the ROS-Industrial convention."""
+from nospill.robots.description.urdf_followers import Followed, followed, lock_of, some
+from nospill.robots.description.urdf_limits import Reasons, UrdfLimits, as_revolute, stated_limits
+from nospill.robots.description.urdf_text import write_tree
+from nospill.robots.description.urdf_tip import tip_doubt, tip_of, turned_tip
+from nospill.robots.description.urdf_tree import UrdfJoint, UrdfTree, read_tree, rotation_of
+from nospill.robots.description.urdf_units import arm_length, require_si
+from nospill.robots.kinematics.inertias import InertiaFaults, inertia_faults
+from nospill.robots.robot import Doubt
 
 MOVING_JOINTS = (6, 7)
 """How many joints an arm may move."""
 
-PLACEHOLDER_SPEED = 10.0
-"""rad/s; where every joint is written at least this fast, nobody has filled the field in."""
-
-PLACEHOLDER_EFFORT = 1000.0
-"""N m; likewise for torques that are all the same."""
-
-TURN = 2.0 * math.pi
-_SHOWN = 12
+NO_TURN = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,8 +52,13 @@ class UrdfArm:
         upper: rad.
         max_speed: rad/s.
         max_torque: N m.
-        inertia_fault: why the inertias cannot be real, or None.
+        max_acceleration: rad/s^2, or None where the file states none for every joint.
+        max_jerk: rad/s^3, likewise.
+        not_set: key of `[robot.limits]` -> joint -> why it is not set.
+        inertia_fault: why masses and inertias cannot be real, or None.
+        torque_known: (n,) whether the torque of a joint needs nothing that is in doubt.
         notes: what was assumed, one sentence each.
+        doubts: what is hardly meant, or stated and not applied.
     """
 
     name: str
@@ -77,8 +69,13 @@ class UrdfArm:
     upper: np.ndarray
     max_speed: np.ndarray
     max_torque: np.ndarray
+    max_acceleration: np.ndarray | None
+    max_jerk: np.ndarray | None
+    not_set: Mapping[str, Reasons]
     inertia_fault: str | None
+    torque_known: np.ndarray
     notes: tuple[str, ...]
+    doubts: tuple[Doubt, ...]
 
 
 _MOUNT = "world_to_base"
@@ -89,48 +86,57 @@ WORLD = BasePose()
 
 
 def read_arm(
-    text: str, *, tip: str | None = None, base: BasePose = WORLD, locked: Mapping[str, object] = NO_LOCKS
+    text: str,
+    *,
+    tip: str | None = None,
+    tip_rpy: Sequence[float] = NO_TURN,
+    base: BasePose = WORLD,
+    locked: Mapping[str, object] = NO_LOCKS,
 ) -> UrdfArm:
-    """Read an arm of six or seven moving joints.
+    """Read an arm of six or seven moving joints; joints that follow one of them are carried along.
 
     Args:
         text: the text of a URDF file.
         tip: the flange link; when not given `tool0`, `flange` or the only link without a child.
+        tip_rpy: roll, pitch and yaw of the flange against that link, about the link's x, y and z in this order, rad.
         base: pose of the root in the world.
         locked: joint -> value at which it stands still, a quantity ("30 deg", rad; "0.2 m", m for a sliding joint).
 
     Raises:
-        ScenarioError: the text is no URDF, the tip or a locked joint is not in it, or the joints on the way to the tip
-            are not six or seven that turn.
+        ScenarioError: the text is no URDF, the tip or a locked joint is not in it, its lengths or angles are hardly in
+            m and rad, or the joints on the way to the tip are not six or seven that turn and others that follow them.
     """
     tree = read_tree(text)
     notes = [f"the URDF names mesh files ({tree.meshes}); they are not used"] if tree.meshes else []
-    tip, tip_note = _tip(tree, tip)
+    link, tip_note = tip_of(tree, tip)
     notes += tip_note
-    tree = _locked(tree, locked)
-    way = tree.way_to(tip)
-    moving = [joint for joint in way if joint.kind != "fixed"]
-    _check_way(moving)
-    notes += _still(tree, moving)
-    tree = _arm_only(tree, way, moving)
-    endless = [joint.name for joint in moving if joint.kind == "continuous"]
-    if endless:
-        notes.append(f"continuous joints may turn by +-360 deg: {', '.join(endless)}")
-    tree, moving = _as_revolute(tree, moving)
-    names = tuple(joint.name for joint in moving)
+    require_si(tree.way_to(link))
+    doubt = tip_doubt(tree, link, tuple(tip_rpy))
+    arm = followed(tree, link, locked)
+    _check_way(arm, link, locked)
+    limits = stated_limits(arm.moving, arm.following)
+    names = tuple(joint.name for joint in arm.moving)
+    notes += [*_still(arm), *limits.notes, *_beside(tree, arm)]
     _check_names(names)
-    fault = inertia_fault(tree, names)
+    chain, frame = turned_tip(_arm_only(arm, link), link, tuple(tip_rpy))
+    chain = _with_limits(chain, arm, limits)
+    faults = _faults(arm, chain, frame, names)
     return UrdfArm(
         name=tree.name,
-        urdf=write_tree(_based(tree, base)),
+        urdf=write_tree(_based(chain, base)),
         joints=names,
-        tip=tip,
-        lower=read_only([joint.lower for joint in moving]),
-        upper=read_only([joint.upper for joint in moving]),
-        max_speed=read_only(_speeds(moving)),
-        max_torque=read_only(_torques(moving)),
-        inertia_fault=fault,
+        tip=frame,
+        lower=limits.lower,
+        upper=limits.upper,
+        max_speed=limits.max_speed,
+        max_torque=limits.max_torque,
+        max_acceleration=limits.max_acceleration,
+        max_jerk=limits.max_jerk,
+        not_set=limits.not_set,
+        inertia_fault=faults.reason,
+        torque_known=np.array(faults.known),
         notes=tuple(notes),
+        doubts=(*([doubt] if doubt else []), *limits.doubts),
     )
 
 
@@ -148,12 +154,6 @@ def standalone_urdf(text: str, *, name: str) -> str:
     return write_tree(replace(tree, name=name) if tree.name == "robot" else tree)
 
 
-def hint_of(name: str, known: Sequence[str]) -> str:
-    """Return "; did you mean ...?" for the nearest known name, or an empty text."""
-    near = nearest(name, known, likeness=0.5)
-    return f"; did you mean {near!r}?" if near else ""
-
-
 def _check_names(names: Sequence[str]) -> None:
     """Refuse names of joints that no column of a file can have.
 
@@ -168,139 +168,118 @@ def _check_names(names: Sequence[str]) -> None:
             )
 
 
-def some(names: Sequence[str]) -> str:
-    """Return the first dozen names and how many more there are."""
-    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
-    return ", ".join(names[:_SHOWN]) + more
-
-
-def _tip(tree: UrdfTree, tip: str | None) -> tuple[str, list[str]]:
-    links = list(tree.links)
-    if tip is not None:
-        if tip not in tree.links:
-            raise ScenarioError(f"tip {tip!r} is not in the URDF (frames: {some(links)}){hint_of(tip, links)}")
-        return tip, []
-    parents = {joint.parent for joint in tree.joints}
-    ends = [link for link in links if link not in parents]
-    usual = [link for link in USUAL_TIPS if link in tree.links]
-    if not usual and len(ends) > 1:
-        raise ScenarioError(f"tip is missing and the URDF has several ends ({some(ends)}); name the flange's frame")
-    chosen = usual[0] if usual else ends[0]
-    return chosen, [f"the tip is the frame {chosen!r}; the tray stands along its z axis"]
-
-
-def _locked(tree: UrdfTree, locked: Mapping[str, object]) -> UrdfTree:
-    joints = {joint.name: joint for joint in tree.joints}
-    for name, value in locked.items():
-        if name not in joints or joints[name].kind == "fixed":
-            free = [joint.name for joint in tree.joints if joint.kind != "fixed"]
-            reason = "is fixed already" if name in joints else "is not in the URDF"
-            raise ScenarioError(f"locked joint {name!r} {reason} (moving joints: {some(free)}){hint_of(name, free)}")
-        joints[name] = _standing(joints[name], value)
-    return replace(tree, joints=tuple(joints[joint.name] for joint in tree.joints))
-
-
-def _standing(joint: UrdfJoint, value: object) -> UrdfJoint:
-    """The joint held at a value: fixed, with its motion built into its origin."""
-    if joint.kind in ("floating", "planar"):
-        raise ScenarioError(f"locked joint {joint.name!r} is {joint.kind}; only turning and sliding ones can be locked")
-    dimension = "length" if joint.kind == "prismatic" else "angle"
-    try:
-        at = quantity(value, dimension)
-    except ScenarioError as error:
-        raise ScenarioError(f"locked.{joint.name} {error}") from None
-    if joint.kind != "continuous" and joint.lower < joint.upper and not joint.lower <= at <= joint.upper:
-        bounds = [format_quantity(bound, dimension) for bound in (joint.lower, joint.upper)]
-        raise ScenarioError(
-            f"locked.{joint.name} {format_quantity(at, dimension)} is outside the joint's limits; "
-            f"it must be from {bounds[0]} to {bounds[1]}"
-        )
-    if joint.kind == "prismatic":
-        axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
-        shift = np.array(joint.position) + rotation_of(joint.rpy) @ axis * at
-        return replace(joint, kind="fixed", position=tuple(shift.tolist()), mimic=False)
-    turn = rotation_of(joint.rpy) @ about_axis(joint.axis, at)
-    return replace(joint, kind="fixed", rpy=rpy_of(turn), mimic=False)
-
-
-def _check_way(moving: Sequence[UrdfJoint]) -> None:
-    for joint in moving:
+def _check_way(arm: Followed, tip: str, locked: Mapping[str, object]) -> None:
+    for joint in arm.moving:
         if joint.kind == "prismatic":
             raise ScenarioError(
                 f"joint {joint.name!r} on the way to the tip slides (prismatic); only turning joints are planned for: "
-                f'lock it, for example locked = {{ {joint.name} = "0 m" }}'
+                f"lock it, for example {lock_of(joint)}"
             )
         if joint.kind in ("floating", "planar"):
             raise ScenarioError(f"joint {joint.name!r} on the way to the tip is {joint.kind}; give a fixed arm")
-        if joint.mimic:
-            raise ScenarioError(
-                f"joint {joint.name!r} on the way to the tip mimics another joint; joints are planned one by one: "
-                f'lock it, for example locked = {{ {joint.name} = "0 deg" }}'
-            )
-    if len(moving) not in MOVING_JOINTS:
-        names = some([joint.name for joint in moving]) or "none"
-        advice = "lock some of them" if len(moving) > MOVING_JOINTS[-1] else "choose another tip"
-        raise ScenarioError(
-            f"{len(moving)} joints move between the root and the tip ({names}), 6 or 7 are planned for; {advice}"
+    count = len(arm.moving)
+    if count in MOVING_JOINTS:
+        return
+    names = some([joint.name for joint in arm.moving]) or "none"
+    if count > MOVING_JOINTS[-1]:
+        advice = f"lock some of them, for example {lock_of(arm.moving[0])}"
+    else:
+        on_way = [name for name in locked if name in {joint.name for joint in arm.tree.way_to(tip)}]
+        behind = _behind(arm, tip)
+        advice = (
+            f"lock fewer joints ({some(on_way)})"
+            if on_way
+            else f"the tip is in the middle of a longer chain: choose one at its end, for example tip = {behind!r}"
+            if behind
+            else f"arms of {count} joints are not planned for: they cannot hold a tray level along a path"
         )
+    raise ScenarioError(f"{count} joints move between the root and the tip ({names}), 6 or 7 are planned for; {advice}")
 
 
-def _still(tree: UrdfTree, moving: Sequence[UrdfJoint]) -> list[str]:
-    names = {joint.name for joint in moving}
-    still = [joint.name for joint in tree.joints if joint.kind != "fixed" and joint.name not in names]
+def _behind(arm: Followed, tip: str) -> str | None:
+    """A frame behind the tip at the end of a chain of six or seven turning joints."""
+    parents = {joint.parent for joint in arm.tree.joints}
+    for link in arm.tree.links:
+        way = arm.tree.way_to(link)
+        free = [joint for joint in way if joint.kind != "fixed" and joint.mimic is None]
+        turning = all(joint.kind in ("revolute", "continuous") for joint in free)
+        if link not in parents and len(free) in MOVING_JOINTS and turning and tip in {joint.parent for joint in way}:
+            return link
+    return None
+
+
+def _still(arm: Followed) -> list[str]:
+    names = {joint.name for joint in (*arm.moving, *arm.following)}
+    still = [joint.name for joint in arm.tree.joints if joint.kind != "fixed" and joint.name not in names]
     return [f"joints that do not move the tip stand at zero: {some(still)}"] if still else []
 
 
-def _arm_only(tree: UrdfTree, way: Sequence[UrdfJoint], moving: Sequence[UrdfJoint]) -> UrdfTree:
+def _beside(tree: UrdfTree, arm: Followed) -> list[str]:
+    """What else the file states about the joints and does not bind."""
+    names = {joint.name for joint in (*arm.moving, *arm.following)}
+    geared, narrowed = (some([name for name in own if name in names]) for own in (tree.geared, tree.narrowed))
+    notes = []
+    if geared:
+        notes.append(f"reductions of transmissions are not read, limits count at the joint: {geared}")
+    if narrowed:
+        notes.append(
+            f"least and greatest values of ros2_control interfaces are not read ({narrowed}); where they bind, write "
+            "them under [robot.limits]"
+        )
+    return notes
+
+
+def _arm_only(arm: Followed, tip: str) -> UrdfTree:
     """The chain and all that its moving joints carry; other joints are fixed where they are at zero."""
-    names = {joint.name for joint in moving}
+    tree, way = arm.tree, arm.tree.way_to(tip)
+    names = {joint.name for joint in (*arm.moving, *arm.following)}
     children = tree.joints_on()
-    links, waiting = {way[0].parent, *(joint.child for joint in way)}, [moving[0].child]
+    first = next(joint for joint in way if joint.name in names)
+    links, waiting = {way[0].parent, *(joint.child for joint in way)}, [first.child]
     while waiting:
         link = waiting.pop()
         links.add(link)
         waiting += [joint.child for joint in children.get(link, [])]
     joints = tuple(
-        joint if joint.name in names else replace(joint, kind="fixed", mimic=False)
+        joint if joint.name in names else replace(joint, kind="fixed", mimic=None)
         for joint in tree.joints
         if joint.child in links and joint.parent in links
     )
     return UrdfTree(tree.name, {link: own for link, own in tree.links.items() if link in links}, joints)
 
 
-def _as_revolute(tree: UrdfTree, moving: Sequence[UrdfJoint]) -> tuple[UrdfTree, list[UrdfJoint]]:
-    """Continuous joints with limits of a turn; position limits that nobody has filled in as not set."""
-    changed: dict[str, UrdfJoint] = {}
-    for joint in moving:
-        lower, upper = joint.lower, joint.upper
-        if joint.kind == "continuous":
-            lower, upper = -TURN, TURN
-        elif lower == upper == 0.0 or math.isnan(lower) or math.isnan(upper):
-            lower = upper = math.nan
-        changed[joint.name] = replace(joint, kind="revolute", lower=lower, upper=upper)
-    return (
-        replace(tree, joints=tuple(changed.get(joint.name, joint) for joint in tree.joints)),
-        [changed[joint.name] for joint in moving],
-    )
+def _faults(arm: Followed, chain: UrdfTree, tip: str, names: Sequence[str]) -> InertiaFaults:
+    """What speaks against the masses, those of links beside the way that move with a joint among them."""
+    faults = inertia_faults(chain, names, length=arm_length(chain, tip))
+    heavy = [
+        joint.name
+        for joint in arm.tree.joints
+        if joint.name in arm.beside and (own := arm.tree.links[joint.child]) is not None and own.mass > 0.0
+    ]
+    if not heavy:
+        return faults
+    reason = f"what {some(heavy)} carry moves with the arm beside the way to the tip, and is taken at rest"
+    return InertiaFaults((False,) * len(names), "; ".join(filter(None, (faults.reason, reason))))
 
 
-def _speeds(moving: Sequence[UrdfJoint]) -> list[float]:
-    speeds = [joint.max_speed for joint in moving]
-    for joint in moving:
-        if joint.max_speed < 0.0:
-            raise ScenarioError(
-                f"the URDF gives joint {joint.name!r} a negative speed, "
-                f"{format_quantity(joint.max_speed, 'angular_speed')}; a speed limit is above 0"
-            )
-    if all(speed >= PLACEHOLDER_SPEED for speed in speeds):
-        return [math.nan] * len(speeds)
-    return [speed if speed > 0.0 else math.nan for speed in speeds]
+def _with_limits(tree: UrdfTree, arm: Followed, limits: UrdfLimits) -> UrdfTree:
+    """Moving joints as revolute ones with the limits that were read, and nothing beside that."""
+    ends = dict(zip((joint.name for joint in arm.moving), zip(limits.lower, limits.upper, strict=True), strict=True))
+    ends |= {joint.name: (math.nan, math.nan) for joint in arm.following}
+    changed = {
+        joint.name: as_revolute(joint, *map(float, ends[joint.name])) for joint in tree.joints if joint.name in ends
+    }
+    return replace(tree, joints=tuple(changed.get(joint.name, joint) for joint in tree.joints))
 
 
-def _torques(moving: Sequence[UrdfJoint]) -> list[float]:
-    torques = [joint.max_torque for joint in moving]
-    same = len(set(torques)) == 1 and torques[0] >= PLACEHOLDER_EFFORT
-    return [effort if effort > 0.0 and effort != PLACEHOLDER_EFFORT and not same else math.nan for effort in torques]
+_UNUSED: dict[str, Any] = {
+    "max_acceleration": math.nan,
+    "max_jerk": math.nan,
+    "safety": None,
+    "calibrated": False,
+    "has_friction": False,
+}
+"""What a chain is written without, once its limits are read."""
 
 
 def _based(tree: UrdfTree, base: BasePose) -> UrdfTree:
@@ -312,9 +291,10 @@ def _based(tree: UrdfTree, base: BasePose) -> UrdfTree:
             upper=0.0 if math.isnan(joint.upper) else joint.upper,
             max_speed=0.0 if math.isnan(joint.max_speed) else joint.max_speed,
             max_torque=0.0 if math.isnan(joint.max_torque) else joint.max_torque,
+            **_UNUSED,
         )
         if joint.kind == "revolute"
-        else replace(joint, lower=math.nan, upper=math.nan, max_speed=math.nan, max_torque=math.nan)
+        else replace(joint, lower=math.nan, upper=math.nan, max_speed=math.nan, max_torque=math.nan, **_UNUSED)
         for joint in tree.joints
     )
     if not base.moved():

@@ -1,4 +1,4 @@
-"""The text of a URDF file as records and back: what the format says, checked, without meshes.
+"""The text of a URDF file as records: what the format says, checked, without meshes; `urdf_text` writes them again.
 
 Units and conventions are those of the format (http://wiki.ros.org/urdf/XML): m, rad, kg, kg m^2; roll, pitch and yaw
 turn about fixed x, y and z in this order; a joint's frame is its child link's frame.
@@ -6,7 +6,6 @@ turn about fixed x, y and z in this order; a joint's frame is its child link's f
 
 from __future__ import annotations
 
-import html
 import math
 import re
 from dataclasses import dataclass
@@ -25,9 +24,9 @@ _NOT_SET = math.nan
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _XACRO = re.compile(r"<xacro:|=\s*\"[^\"]*\$[({]|=\s*'[^']*\$[({]")
 _DECLARATION = re.compile(r"<!(DOCTYPE|ENTITY)", re.IGNORECASE)
-_MESHES = "mesh files named in the original and not used here: "
+MESHES = "mesh files named in the original and not used here: "
 _LARGEST = 1e9
-"""No number of a description is larger: squares stay far from the end of the floating-point range."""
+"""No length, mass or angle of a description is larger: squares stay far from the end of the floating-point range."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +49,27 @@ class Inertial:
 
 
 @dataclass(frozen=True, slots=True)
+class Mimic:
+    """What a joint follows: its position is `multiplier` times that of another joint, plus `offset` (rad or m)."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyController:
+    """Soft limits of a joint, rad, and the gains of what keeps to them, 1/s and N m s; NaN where none are written."""
+
+    lower: float = math.nan
+    upper: float = math.nan
+    position_gain: float = math.nan
+    speed_gain: float = math.nan
+
+
+@dataclass(frozen=True, slots=True)
 class UrdfJoint:
-    """One joint; limits that are not written are NaN.
+    """One joint; limits that are not written are NaN, "inf" stays infinite.
 
     Attributes:
         name: as written.
@@ -65,7 +83,12 @@ class UrdfJoint:
         upper: likewise.
         max_speed: `velocity` of the file, rad/s.
         max_torque: `effort` of the file, N m.
-        mimic: whether it copies another joint.
+        max_acceleration: `acceleration` of the file, rad/s^2.
+        max_jerk: `jerk` of the file, rad/s^3.
+        mimic: the joint it follows, or None.
+        safety: its safety controller, or None.
+        calibrated: whether reference positions are written.
+        has_friction: whether friction or damping is written.
     """
 
     name: str
@@ -79,7 +102,24 @@ class UrdfJoint:
     upper: float = _NOT_SET
     max_speed: float = _NOT_SET
     max_torque: float = _NOT_SET
-    mimic: bool = False
+    max_acceleration: float = _NOT_SET
+    max_jerk: float = _NOT_SET
+    mimic: Mimic | None = None
+    safety: SafetyController | None = None
+    calibrated: bool = False
+    has_friction: bool = False
+
+    def limits(self) -> dict[str, float]:
+        """What its `<limit>` states, by the attributes of the format."""
+        stated = {
+            "lower": self.lower,
+            "upper": self.upper,
+            "velocity": self.max_speed,
+            "effort": self.max_torque,
+            "acceleration": self.max_acceleration,
+            "jerk": self.max_jerk,
+        }
+        return {key: value for key, value in stated.items() if not math.isnan(value)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,12 +131,16 @@ class UrdfTree:
         links: link -> mass properties or None.
         joints: in the order of the file.
         meshes: number of mesh files it named; they are not used.
+        geared: joints whose transmission states a reduction.
+        narrowed: joints for which a command interface states a least or greatest value.
     """
 
     name: str
     links: dict[str, Inertial | None]
     joints: tuple[UrdfJoint, ...]
     meshes: int = 0
+    geared: tuple[str, ...] = ()
+    narrowed: tuple[str, ...] = ()
 
     def root(self) -> str:
         """The link that no joint carries."""
@@ -149,37 +193,13 @@ def read_tree(text: str) -> UrdfTree:
         links[name] = _inertial(element, name)
     joints = tuple(_joint(element) for element in top.findall("joint"))
     # written by write_tree, so that reading what it wrote gives an equal tree
-    written = re.search(re.escape(_MESHES) + r"(\d{1,6}) ", text)
+    written = re.search(re.escape(MESHES) + r"(\d{1,6}) ", text)
     meshes = int(written[1]) if written else sum(1 for _ in top.iter("mesh"))
-    tree = UrdfTree(top.get("name") or "robot", links, joints, meshes)
+    known = {joint.name for joint in joints}
+    geared, narrowed = (tuple(dict.fromkeys(name for name in found(top) if name in known)) for found in _BESIDE)
+    tree = UrdfTree(top.get("name") or "robot", links, joints, meshes, geared, narrowed)
     _check(tree)
     return tree
-
-
-def write_tree(tree: UrdfTree) -> str:
-    """Write a description as URDF text: links with mass properties, joints, nothing else; every digit is kept."""
-    lines = ['<?xml version="1.0"?>', *([f"<!-- {_MESHES}{tree.meshes} -->"] if tree.meshes else [])]
-    lines.append(f"<robot name={_quoted(tree.name)}>")
-    for name, inertial in tree.links.items():
-        if inertial is None:
-            lines.append(f"  <link name={_quoted(name)}/>")
-            continue
-        tensor = " ".join(
-            f'i{axes}="{_digits(value)}"'
-            for axes, value in zip(("xx", "xy", "xz", "yy", "yz", "zz"), inertial.tensor, strict=True)
-        )
-        lines += [
-            f"  <link name={_quoted(name)}>",
-            "    <inertial>",
-            f'      <origin xyz="{_row(inertial.centre)}" rpy="{_row(inertial.rpy)}"/>',
-            f'      <mass value="{_digits(inertial.mass)}"/>',
-            f"      <inertia {tensor}/>",
-            "    </inertial>",
-            "  </link>",
-        ]
-    for joint in tree.joints:
-        lines += _joint_lines(joint)
-    return "\n".join([*lines, "</robot>", ""])
 
 
 def rotation_of(rpy: Vector) -> np.ndarray:
@@ -241,10 +261,62 @@ def _number(element: ElementTree.Element | None, key: str, where: str, standard:
 
 
 def _limit(element: ElementTree.Element | None, key: str, where: str, moves: bool) -> float:
-    """A limit, or NaN where none is written; "inf" is none."""
-    if not moves or element is None or element.get(key, "").strip().lstrip("+-").lower() in ("inf", "infinity", "nan"):
+    """A limit, or NaN where none is written; exporters write any large number, and "inf", where there is none."""
+    text = None if element is None or not moves else element.get(key)
+    if text is None:
         return _NOT_SET
-    return _number(element, key, where)
+    try:
+        return float(text)
+    except ValueError:
+        raise ScenarioError(f'the URDF has {key}="{_short(text)}" at {where}, where a number must stand') from None
+
+
+def _mimic(element: ElementTree.Element | None, where: str) -> Mimic | None:
+    if element is None:
+        return None
+    name = element.get("joint", "").strip()
+    if not name:
+        raise ScenarioError(f"the URDF has a <mimic> without a joint at {where}; name the joint that it follows")
+    return Mimic(name, _number(element, "multiplier", where, 1.0), _number(element, "offset", where, 0.0))
+
+
+def _safety(element: ElementTree.Element | None, where: str) -> SafetyController | None:
+    if element is None:
+        return None
+    keys = ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity")
+    return SafetyController(*(_limit(element, key, where, True) for key in keys))
+
+
+def _has_friction(element: ElementTree.Element | None, where: str) -> bool:
+    return any(_number(element, key, where, 0.0) != 0.0 for key in ("friction", "damping"))
+
+
+def _geared(top: ElementTree.Element) -> list[str]:
+    """Joints of the transmissions that state another reduction than 1; what is no number counts too."""
+    found: list[str] = []
+    for element in top.iter("transmission"):
+        stated = [(own.text or "").strip() for own in element.iter("mechanicalReduction")]
+        stated += [(own.text or "").strip() for own in element.iter("mechanical_reduction")]
+        if any(text not in ("", "1", "1.0") for text in stated):
+            found += [own.get("name", "") for own in element.iter("joint")]
+    return found
+
+
+def _narrowed(top: ElementTree.Element) -> list[str]:
+    """Joints of ros2_control for which a command interface states "min" or "max"."""
+    return [
+        joint.get("name", "")
+        for control in top.iter("ros2_control")
+        for joint in control.iter("joint")
+        if any(
+            param.get("name") in ("min", "max")
+            for interface in joint.iter("command_interface")
+            for param in interface.iter("param")
+        )
+    ]
+
+
+_BESIDE = (_geared, _narrowed)
 
 
 def _inertial(link: ElementTree.Element, name: str) -> Inertial | None:
@@ -286,7 +358,12 @@ def _joint(element: ElementTree.Element) -> UrdfJoint:
         upper=_limit(limit, "upper", where, moves),
         max_speed=_limit(limit, "velocity", where, moves),
         max_torque=_limit(limit, "effort", where, moves),
-        mimic=element.find("mimic") is not None,
+        max_acceleration=_limit(limit, "acceleration", where, moves),
+        max_jerk=_limit(limit, "jerk", where, moves),
+        mimic=_mimic(element.find("mimic"), where) if moves else None,
+        safety=_safety(element.find("safety_controller"), where) if moves else None,
+        calibrated=moves and element.find("calibration") is not None,
+        has_friction=moves and _has_friction(element.find("dynamics"), where),
     )
 
 
@@ -322,37 +399,6 @@ def _check(tree: UrdfTree) -> None:
     if len(reached) < len(tree.links):
         lost = next(link for link in tree.links if link not in reached)
         raise ScenarioError(f"the URDF has a loop of joints at link {lost!r}; a closed chain cannot be read")
-
-
-def _joint_lines(joint: UrdfJoint) -> list[str]:
-    lines = [
-        f'  <joint name={_quoted(joint.name)} type="{joint.kind}">',
-        f"    <parent link={_quoted(joint.parent)}/>",
-        f"    <child link={_quoted(joint.child)}/>",
-        f'    <origin xyz="{_row(joint.position)}" rpy="{_row(joint.rpy)}"/>',
-    ]
-    if joint.kind in ("revolute", "continuous", "prismatic"):
-        lines.append(f'    <axis xyz="{_row(joint.axis)}"/>')
-    limits = {"lower": joint.lower, "upper": joint.upper, "velocity": joint.max_speed, "effort": joint.max_torque}
-    stated = " ".join(f'{key}="{_digits(value)}"' for key, value in limits.items() if not math.isnan(value))
-    if stated:
-        lines.append(f"    <limit {stated}/>")
-    if joint.mimic:
-        lines.append("    <mimic/>")
-    return [*lines, "  </joint>"]
-
-
-def _quoted(text: str) -> str:
-    # xml.sax.saxutils, which is meant for this, would load urllib and http with it
-    return f'"{html.escape(text)}"'
-
-
-def _row(values: Vector) -> str:
-    return " ".join(_digits(value) for value in values)
-
-
-def _digits(value: float) -> str:
-    return repr(int(value)) if value.is_integer() else repr(float(value))
 
 
 def _short(text: str) -> str:

@@ -2,6 +2,10 @@
 
 The frame of joint i is fixed to what it carries, with its origin on the axis and the axis along z; at zero it is turned
 against the joint's frame in the URDF by the rotation that lays z on the axis.
+
+A joint that mimics another one has a body too: its angle is a q + b with the angle q of the joint that it follows. With
+C (bodies, joints) the matrix of the factors a, the bodies turn by C q + b, a Jacobian of the joints is that of the
+bodies times C, and by virtual work the torques of the joints are C^T times those of the bodies.
 """
 
 from __future__ import annotations
@@ -12,10 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.core.arrays import parallel_axis
-from nospill.robots.description.urdf_tree import Inertial, UrdfJoint, UrdfTree, rotation_of
-
-_LIGHTEST = 1e-6  # kg
-_FLATTEST = 1e-9  # kg m^2
+from nospill.robots.description.urdf_tree import UrdfJoint, UrdfTree, rotation_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +29,9 @@ class Body:
         mass: kg.
         first_moment: (3,) mass times centre of mass, kg m, in the joint's frame.
         inertia: (3, 3) about the frame's origin, kg m^2, in the joint's frame.
+        joint: index in q of the joint that turns it: its own, or the one that its own follows.
+        factor: its angle per angle of that joint.
+        offset: its angle where that joint is at zero, rad.
     """
 
     position: np.ndarray
@@ -35,6 +39,9 @@ class Body:
     mass: float
     first_moment: np.ndarray
     inertia: np.ndarray
+    joint: int
+    factor: float = 1.0
+    offset: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,9 +52,32 @@ class BodyChain:
     flange_position: np.ndarray
     flange_rotation: np.ndarray
 
+    @property
+    def coupled(self) -> bool:
+        """Whether a joint follows another one."""
+        return any(body.joint != index for index, body in enumerate(self.bodies))
+
+    @property
+    def factors(self) -> np.ndarray:
+        """(bodies, joints) turn of every body per angle of every joint."""
+        matrix = np.zeros((len(self.bodies), 1 + max(body.joint for body in self.bodies)))
+        for index, body in enumerate(self.bodies):
+            matrix[index, body.joint] = body.factor
+        return matrix
+
+    def angles(self, q: np.ndarray) -> np.ndarray:
+        """Angles (m, bodies) of the bodies at joint positions (m, n), rad."""
+        return self.rates(q) + [body.offset for body in self.bodies] if self.coupled else q
+
+    def rates(self, qd: np.ndarray) -> np.ndarray:
+        """Rates (m, bodies) of the bodies at joint speeds (m, n), rad/s; likewise accelerations."""
+        return qd @ self.factors.T if self.coupled else qd
+
 
 def chain_bodies(tree: UrdfTree, joints: Sequence[str], tip: str) -> BodyChain:
-    """Lump every link of a description into the bodies of a chain; joints that are not named stay at zero.
+    """Lump every link of a description into the bodies of a chain.
+
+    Joints that are neither named nor follow one that is stay at zero.
 
     Args:
         tree: the description.
@@ -58,7 +88,7 @@ def chain_bodies(tree: UrdfTree, joints: Sequence[str], tip: str) -> BodyChain:
 
     bodies: list[Body] = []
     position, rotation = np.zeros(3), np.eye(3)
-    moving = [joint for joint in way if joint.name in set(joints)]
+    moving = [joint for joint in way if turned_by(joint, joints) is not None]
     pending = iter(way)
     for joint in moving:
         for step in pending:
@@ -66,42 +96,27 @@ def chain_bodies(tree: UrdfTree, joints: Sequence[str], tip: str) -> BodyChain:
             if step is joint:
                 break
         lay = z_to(joint.axis)
-        mass, moment, inertia = _carried(tree, children, joint.child, {other.name for other in moving})
-        bodies.append(Body(position, rotation @ lay, mass, lay.T @ moment, lay.T @ inertia @ lay))
+        mass, moment, inertia = carried(tree, children, joint.child, {other.name for other in moving})
+        index, factor, offset = _law(joint, joints)
+        own = lay.T @ moment, lay.T @ inertia @ lay
+        bodies.append(Body(position, rotation @ lay, mass, *own, joint=index, factor=factor, offset=offset))
         position, rotation = np.zeros(3), lay.T
     for step in pending:
         position, rotation = position + rotation @ np.array(step.position), rotation @ rotation_of(step.rpy)
     return BodyChain(tuple(bodies), position, rotation)
 
 
-def inertia_fault(tree: UrdfTree, joints: Sequence[str]) -> str | None:
-    """Return why the masses and inertias of the links cannot be real, or None if nothing speaks against them.
+def turned_by(joint: UrdfJoint, joints: Sequence[str]) -> str | None:
+    """Which of some joints turns one: itself, or the one that it follows; None where none of them does."""
+    if joint.name in joints:
+        return joint.name
+    return joint.mimic.joint if joint.mimic is not None and joint.mimic.joint in joints else None
 
-    Args:
-        tree: the description.
-        joints: its moving joints, base to tip.
-    """
-    children = tree.joints_on()
-    stated: list[Inertial] = []
-    for joint in tree.joints:
-        if joint.name not in joints:
-            continue
-        own = tree.links[joint.child]
-        mass, _, inertia = _carried(tree, children, joint.child, set(joints))
-        if mass < _LIGHTEST:
-            return f"link {joint.child!r} has no mass"
-        if np.linalg.eigvalsh(inertia)[0] < _FLATTEST or (
-            own is not None and own.mass >= _LIGHTEST and np.linalg.eigvalsh(own.inertia())[0] <= 0.0
-        ):
-            return f"the inertia of link {joint.child!r} is not positive definite"
-        if own is not None:
-            stated.append(own)
-    kinds = {(own.mass, own.tensor) for own in stated}
-    if len(stated) > 1 and len(kinds) == 1:
-        return "all links have the same mass and inertia, which are placeholders"
-    if stated and all(own.tensor == (1.0, 0.0, 0.0, 1.0, 0.0, 1.0) for own in stated):
-        return "all links have the unit inertia, which is a placeholder"
-    return None
+
+def _law(joint: UrdfJoint, joints: Sequence[str]) -> tuple[int, float, float]:
+    if joint.mimic is None or joint.name in joints:
+        return list(joints).index(joint.name), 1.0, 0.0
+    return list(joints).index(joint.mimic.joint), joint.mimic.multiplier, joint.mimic.offset
 
 
 def z_to(axis: Sequence[float] | np.ndarray) -> np.ndarray:
@@ -114,7 +129,7 @@ def z_to(axis: Sequence[float] | np.ndarray) -> np.ndarray:
     return np.column_stack([first, np.cross(direction, first), direction]) + 0.0
 
 
-def _carried(
+def carried(
     tree: UrdfTree, children: dict[str, list[UrdfJoint]], link: str, moving: set[str]
 ) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass, first moment (3,) and inertia (3, 3) about the link's origin of all it carries without a moving joint."""

@@ -38,6 +38,7 @@ class ChainExpressions:
 
 def chain_expressions(chain: BodyChain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> ChainExpressions:
     """Motion of a tool frame: `tool` (4, 1) is its origin in flange axes and its turn about the flange's z."""
+    q, qd, qdd = body_angles(chain, q), body_rates(chain, qd), body_rates(chain, qdd)
     position, rotation = SX.zeros(3), SX.eye(3)
     velocity = omega = acceleration = alpha = SX(3, 1)
     axes, origins = [], []
@@ -59,7 +60,8 @@ def chain_expressions(chain: BodyChain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> 
     position, velocity, acceleration = carry(rotation @ _constant(chain.flange_position) + flange @ tool[:3])
     columns = [ca.vertcat(ca.cross(axis, position - origin), axis) for axis, origin in zip(axes, origins, strict=True)]
     turned = flange @ about_z(tool[3])
-    return ChainExpressions(position, turned, velocity, omega, acceleration, alpha, ca.horzcat(*columns))
+    jacobian = of_joints(chain, ca.horzcat(*columns))
+    return ChainExpressions(position, turned, velocity, omega, acceleration, alpha, jacobian)
 
 
 def with_base_at(motion: ChainExpressions, place: SX) -> ChainExpressions:
@@ -77,18 +79,43 @@ def with_base_at(motion: ChainExpressions, place: SX) -> ChainExpressions:
     )
 
 
-def frame_in_frame(chain: BodyChain, inner: int, q: SX) -> tuple[SX, SX]:
+def body_angles(chain: BodyChain, q: SX) -> SX:
+    """Angles (bodies, 1) of the bodies at joint positions (n, 1), rad, as expressions."""
+    return body_rates(chain, q) + ca.DM([body.offset for body in chain.bodies]) if chain.coupled else q
+
+
+def body_rates(chain: BodyChain, qd: SX) -> SX:
+    """Rates (bodies, 1) of the bodies at joint speeds (n, 1), rad/s, as expressions; likewise accelerations."""
+    return ca.vertcat(*[body.factor * qd[body.joint] for body in chain.bodies]) if chain.coupled else qd
+
+
+def of_joints(chain: BodyChain, of_bodies: SX) -> SX:
+    """What belongs to bodies, a column each (a Jacobian, torques as one row), as what belongs to the joints."""
+    return of_bodies @ _constant(chain.factors) if chain.coupled else of_bodies
+
+
+def joints_between(chain: BodyChain, inner: int, outer: int) -> list[int]:
+    """Indices of the joints that turn the bodies between two frames, in the order of q; numbers as `frame_in_frame`."""
+    return sorted({body.joint for body in chain.bodies[inner:outer]})
+
+
+def frame_in_frame(chain: BodyChain, inner: int, outer: int, q: SX) -> tuple[SX, SX]:
     """Position (3, 1), m, and axes (3, 3) of one joint's frame (as in `bodies`) in the frame of another one before it.
 
     Args:
         chain: the arm.
-        inner: number of the moving joints before the other frame, 0 for the base.
-        q: (k, 1) positions of the joints between the two, rad.
+        inner: number of the bodies before the other frame, 0 for the base.
+        outer: of those before the frame itself.
+        q: (k, 1) positions of the joints that turn what is between, rad: of `joints_between`.
     """
+    place = {joint: index for index, joint in enumerate(joints_between(chain, inner, outer))}
     position, rotation = SX.zeros(3), SX.eye(3)
-    for index, body in enumerate(chain.bodies[inner : inner + q.numel()]):
+    for body in chain.bodies[inner:outer]:
+        angle = q[place[body.joint]]
+        if chain.coupled:
+            angle = body.factor * angle + body.offset
         position = position + rotation @ _constant(body.position)
-        rotation = rotation @ _constant(_squared(body.rotation)) @ about_z(q[index])
+        rotation = rotation @ _constant(_squared(body.rotation)) @ about_z(angle)
     return position, rotation
 
 

@@ -226,7 +226,9 @@ class _ClosedForm:
 
 @lru_cache(maxsize=4096)  # a grid of positions of a redundant joint has 1,921 at most
 def _solver(arm: Kinematics, held: int | None, value: float | None) -> _ClosedForm | None:
-    """The closed form of a chain with six moving joints; None where none is known."""
+    """The closed form of a chain with six moving joints; None where none is known, or where one follows another."""
+    if arm.coupled:
+        return None
     try:
         solver = _ClosedForm(arm, held, value)
     except RuntimeError:  # EAIK's word for a geometry it does not know

@@ -23,9 +23,10 @@ from nospill.core.arrays import parallel_axis
 from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf_tree import read_tree
-from nospill.robots.kinematics.bodies import Body, chain_bodies, inertia_fault
-from nospill.robots.kinematics.chain import about_z
+from nospill.robots.kinematics.bodies import Body, chain_bodies
+from nospill.robots.kinematics.chain import about_z, body_angles, body_rates, of_joints
 from nospill.robots.kinematics.forward import ArmChain
+from nospill.robots.kinematics.inertias import inertia_faults
 from nospill.robots.robot import Robot
 
 STANDARD_GRAVITY = 9.80665
@@ -142,11 +143,14 @@ class Dynamics:
 
     def torque(self, q: ca.SX, qd: ca.SX, qdd: ca.SX, load: Load, *, gravity: float | ca.SX) -> ca.SX:
         """Return the joint torques as `joint_torque` does."""
+        chain = self._chain
+        q, qd, qdd = body_angles(chain, q), body_rates(chain, qd), body_rates(chain, qdd)
+        last = len(chain.bodies) - 1
         spin, turn_up = ca.SX(3, 1), ca.SX(3, 1)
         push = ca.vertcat(0, 0, ca.SX(gravity))
         carried = self._at_last_joint(load)
         rotations, forces, moments = [], [], []
-        for joint, body in enumerate(self._chain.bodies):
+        for joint, body in enumerate(chain.bodies):
             rotation = _constant(body.rotation) @ about_z(q[joint])
             push = rotation.T @ (push + _swing(turn_up, spin, _constant(body.position)))
             spin, turn_up = rotation.T @ spin, rotation.T @ turn_up
@@ -154,20 +158,20 @@ class Dynamics:
             turn_up = turn_up + ca.vertcat(0, 0, qdd[joint]) + ca.cross(spin, rate)
             spin = spin + rate
             own = Load(body.mass, _constant(body.first_moment), _constant(body.inertia))
-            force, moment = _wrench(own + carried if joint == self.n - 1 else own, spin, turn_up, push)
+            force, moment = _wrench(own + carried if joint == last else own, spin, turn_up, push)
             rotations.append(rotation)
             forces.append(force)
             moments.append(moment)
 
         force, moment = forces[-1], moments[-1]
         torque = [moment[2]]
-        for joint in reversed(range(self.n - 1)):
+        for joint in reversed(range(last)):
             force = rotations[joint + 1] @ force
-            lever = _constant(self._chain.bodies[joint + 1].position)
+            lever = _constant(chain.bodies[joint + 1].position)
             moment = rotations[joint + 1] @ moment + ca.cross(lever, force) + moments[joint]
             force = force + forces[joint]
             torque.append(moment[2])
-        return ca.vertcat(*reversed(torque))
+        return of_joints(chain, ca.horzcat(*reversed(torque))).T
 
     def _at_last_joint(self, load: Load) -> Load:
         """The load in the frame of the last joint."""
@@ -216,13 +220,20 @@ def dynamics(robot: Robot) -> Dynamics:
         ScenarioError: the arm's masses and inertias are not known; the message says why.
     """
     if not robot.inertias_known:
-        fault = inertia_fault(read_tree(robot.urdf), robot.joints)
+        fault = inertia_faults(read_tree(robot.urdf), robot.joints).reason
         reason = f" ({fault})" if fault else ""
         raise ScenarioError(
             f"robot {robot.name!r}: masses and inertias are not known{reason}, so joint torques cannot be computed; "
             "give a URDF with real inertias or leave torque limits out"
         )
     return _dynamics(robot.urdf, robot.joints, robot.tip)
+
+
+def torque_joints(robot: Robot) -> tuple[int, ...]:
+    """Indices of the joints whose torque has a limit and can be computed."""
+    if robot.max_torque is None or not robot.inertias_known:
+        return ()
+    return tuple(np.flatnonzero(np.isfinite(robot.max_torque)).tolist())
 
 
 def load_column(load: Load) -> np.ndarray:

@@ -53,6 +53,7 @@ class Kinematics:
 
     Attributes:
         n: number of moving joints.
+        coupled: whether a joint of the chain follows another one.
         stood: the chain with its base in the origin: URDF text, joints and tip.
     """
 
@@ -61,7 +62,8 @@ class Kinematics:
 
         Args:
             urdf: URDF text without xacro.
-            joints: names of the moving joints in the order of q; every other joint stays at zero.
+            joints: names of the moving joints in the order of q; what follows them moves with them, every other joint
+                stays at zero.
             tip: the flange link.
 
         Raises:
@@ -69,6 +71,7 @@ class Kinematics:
         """
         self.n = len(joints)
         self._chain = _chain(urdf, joints, tip)
+        self.coupled = self._chain.coupled
         stood, self._place = without_place(urdf)
         self.stood = stood, joints, tip
 
@@ -249,7 +252,7 @@ def _chain(urdf: str, joints: tuple[str, ...], tip: str) -> BodyChain:
             f"robot description: tip {tip!r} is no link; there are {', '.join(sorted(tree.links)[:12])}"
         )
     chain = chain_bodies(tree, joints, tip)
-    if len(chain.bodies) != len(joints):
+    if {body.joint for body in chain.bodies} != set(range(len(joints))):
         known = ", ".join(joint.name for joint in tree.joints)
         raise ScenarioError(
             f"robot description: not all of the joints {', '.join(joints)} lead to {tip!r}; there are {known}"

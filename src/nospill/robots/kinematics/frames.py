@@ -15,13 +15,13 @@ from nospill.robots.kinematics.forward import ArmChain
 
 @dataclass(frozen=True, slots=True)
 class JointFrames:
-    """Frames fixed to what each joint carries (as in `bodies`), the base first, in base axes.
+    """Frames fixed to what each of b joints carries (as in `bodies`), the base first, in base axes.
 
     Attributes:
-        position: (n + 1, m, 3) origins, m.
-        rotation: (n + 1, m, 3, 3) axes.
-        velocity: (n + 1, m, 3) of the origins, m/s.
-        angular_velocity: (n + 1, m, 3), rad/s.
+        position: (b + 1, m, 3) origins, m.
+        rotation: (b + 1, m, 3, 3) axes.
+        velocity: (b + 1, m, 3) of the origins, m/s.
+        angular_velocity: (b + 1, m, 3), rad/s.
     """
 
     position: np.ndarray
@@ -45,6 +45,7 @@ def joint_frames(chain: BodyChain, q: np.ndarray, qd: np.ndarray | None = None) 
 
     w' = w + z qd and v' = v + w x r from joint to joint, as in `kinematics.chain`.
     """
+    q, qd = chain.angles(q), None if qd is None else chain.rates(qd)
     count, samples = len(chain.bodies), len(q)
     position, velocity, spin = (np.zeros((count + 1, samples, 3)) for _ in range(3))
     rotation = np.empty((count + 1, samples, 3, 3))
@@ -63,7 +64,7 @@ def joint_frames(chain: BodyChain, q: np.ndarray, qd: np.ndarray | None = None) 
 
 
 def axis_reach(chain: BodyChain, joint: int, points: np.ndarray, widening: float) -> np.ndarray:
-    """Greatest distance (n,), m, of points fixed to a joint's frame from each joint's axis, over all configurations.
+    """Greatest distance (bodies,), m, of points fixed to a joint's frame from each body's axis, in any configuration.
 
     Args:
         chain: the arm.
@@ -72,7 +73,7 @@ def axis_reach(chain: BodyChain, joint: int, points: np.ndarray, widening: float
         widening: radius about each of them, m.
 
     Returns:
-        A bound: from its own axis exact, from the others the way along the chain.
+        A bound, for every body's axis: from its own axis exact, from the others the way along the chain.
     """
     reach = np.zeros(len(chain.bodies))
     if joint == 0:
