@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from nospill.core.piecewise import Pieces
@@ -40,7 +42,8 @@ def blended_lines(poses: np.ndarray, blend: float) -> Pieces:
         ends = np.count_nonzero(used[short : short + 2])
         raise ScenarioError(
             f"blend {1e3 * blend:g} mm: the line from waypoint {short + 1} to {short + 2} is "
-            f"{1e3 * lengths[short]:.4g} mm long, which leaves {1e3 * lengths[short] / ends:.4g} mm at most for a corner; give that or less"
+            f"{1e3 * lengths[short]:.4g} mm long, which leaves {1e3 * lengths[short] / ends:.4g} mm at most for a "
+            "corner; give that or less"
         )
     breaks, coefficients = [0.0], []
     for index in range(len(lengths)):
@@ -90,7 +93,7 @@ def farthest_from_lines(curve: Pieces, places: np.ndarray, s: np.ndarray) -> tup
         s: (n,) where the curve is at them.
     """
     worst, at = 0.0, 0
-    for index, (start, end) in enumerate(zip(places[:-1], places[1:], strict=True)):
+    for index, (start, end) in enumerate(pairwise(places)):
         line = end - start
         points = curve(np.linspace(s[index], s[index + 1], 65))[:, :3] - start
         share = np.clip(points @ line / (line @ line), 0.0, 1.0)
