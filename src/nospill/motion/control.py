@@ -142,9 +142,9 @@ def _lagged(pieces: Pieces, lag: np.ndarray) -> _Lagged:
     decay = np.where(lag > 0.0, np.exp(-widths[:, None] / np.where(lag > 0.0, lag, 1.0)), 0.0)
     left = np.empty((len(widths) + 1, len(lag)))
     left[0] = np.where(lag > 0.0, rest[0] - steady[-1, 0], 0.0)
+    jumps = np.where(lag > 0.0, last - first, 0.0)
     for index in range(len(widths)):
-        jump = np.where(lag > 0.0, last[index] - first[index], 0.0)
-        left[index + 1] = left[index] * decay[index] + jump
+        left[index + 1] = left[index] * decay[index] + jumps[index]
     return _Lagged(found, rest[1], lag, left)
 
 
