@@ -17,10 +17,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is loaded;
 import pytest
 from filelock import FileLock
 from hypothesis import settings
+from typer.main import get_command
 from typer.testing import CliRunner, Result
 
 from nospill.cli.reporting import INTERNAL_ERROR
-from tests.hasty import compile_at_first, hasty_compiler
+from tests.hasty import NO_COMPILER, compile_at_first, compile_small_functions, hasty_compiler
 
 if TYPE_CHECKING:  # a file of tests that plans nothing is run without the planner and the judge
     from nospill.motion.interpolation import JointSamples
@@ -41,13 +42,20 @@ COMPILED = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
 """Compiled functions are kept between runs: their key is the source they are made of. `make clean` removes them."""
 
 
+def pytest_collection_finish() -> None:
+    """What was imported and collected stays to the end: the garbage collector need not look at it again and again."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def hasty() -> Iterator[None]:
-    """The functions that most plans of the tests need, hastily compiled for all of them; one thread each.
+    """Small functions, hastily compiled once for all tests; one thread each.
 
-    The others are interpreted: most scenes of the tests are planned once or twice, and to compile their functions takes
-    longer than to interpret them. None of the user's compiled functions are used. A test that wants otherwise sets the
-    variables itself (monkeypatch).
+    Those of problems are interpreted: most scenes of the tests are planned once or twice, and to compile their
+    functions takes longer than to interpret them. None of the user's compiled functions are used. A test that wants
+    otherwise sets the variables itself (monkeypatch).
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NOSPILL_COMPILE", "wait")
@@ -59,7 +67,8 @@ def hasty() -> Iterator[None]:
             if compiler is not None:
                 patch.setenv("CC", str(compiler))
                 compile_at_first(COMPILED)
-        patch.setenv("CC", "no-compiler-for-what-is-planned-once")
+                compile_small_functions(compiler, patch)
+        patch.setenv("CC", NO_COMPILER)
         yield
 
 
@@ -77,7 +86,10 @@ def in_virtual_machine() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def internal_errors_are_shown() -> Iterator[None]:
-    """Beside a failed test stands the traceback of a command's internal error, which the runner of commands keeps."""
+    """Beside a failed test stands the traceback of a command's internal error, which the runner of commands keeps.
+
+    The runner makes the commands of the program anew for every one that it runs; here they are made once.
+    """
     invoke = CliRunner.invoke
 
     def shown(self: CliRunner, *args: Any, **options: Any) -> Result:
@@ -89,6 +101,7 @@ def internal_errors_are_shown() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NOSPILL_TRACEBACK", "1")
         patch.setattr(CliRunner, "invoke", shown)
+        patch.setattr("typer.testing._get_command", cache(get_command))
         yield
 
 

@@ -9,17 +9,21 @@ import os
 import re
 import shutil
 from pathlib import Path
+from typing import Any
 
+import pytest
+
+from nospill.compiled import codegen
 from nospill.compiled.codegen import source_digest
 
-AT_FIRST = re.compile(
-    r"linear solver|ur10e|comau-smart-six(: |, \w+ tray: certificate)"
-    r"|(solid )?(cylinder|box), (full|deliverable)(, end \w+)?: (replay|certificate)"
-)
-"""Beginnings of the labels of usual parts: what most plans of the tests and every look at one need.
+AT_FIRST = re.compile(r"linear solver|ur10e, \w+ tray: problem")
+"""Beginnings of the labels of the parts that are compiled before the first test."""
 
-A problem's functions of an object or an arm take up to 3 s to compile, what the judge reads of it a tenth of a second.
-"""
+OF_PROBLEMS = ("tray", "object", "end", "plane")
+"""Kinds of functions that hold second derivatives: they take up to 3 s to compile, all others a tenth of a second."""
+
+NO_COMPILER = "no-compiler-for-what-is-planned-once"
+"""What CC names while tests run."""
 
 COMPILER = os.environ.get("CC", "cc")
 """As the user has it."""
@@ -57,3 +61,20 @@ def hasty_compiler(folder: Path) -> Path | None:
     place.write_text(f'#!/bin/sh\ncase "$*" in *-O1*) set -- "$@" -Og ;; esac\nexec "{found}" "$@"\n')
     place.chmod(0o755)
     return place
+
+
+def compile_small_functions(compiler: Path, patch: pytest.MonkeyPatch) -> None:
+    """Have functions of other kinds than those of problems compiled when they are first asked for.
+
+    A replay or a certificate is evaluated on thousands of samples, also of an object that is seen once. A test that
+    names a compiler itself, or none, has what it names.
+    """
+    made = codegen.functions
+
+    def functions(kind: str, *arguments: Any, **options: Any) -> Any:
+        with pytest.MonkeyPatch.context() as own:
+            if kind not in OF_PROBLEMS and os.environ.get("CC") == NO_COMPILER:
+                own.setenv("CC", str(compiler))
+            return made(kind, *arguments, **options)
+
+    patch.setattr(codegen, "functions", functions)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import tomllib
 from dataclasses import replace
 from functools import cache
@@ -78,39 +77,31 @@ def offset_of(text: str) -> LiquidOffset:
 def test_every_corner_is_integrated_through_both_motions() -> None:
     """The first mode by SciPy: a bead on the parabola whose textbook frequency is sqrt(g k tanh k h), k = 1.8412/R."""
     out, back = row()
-    found, largest = corners(back.scene), 0.0
+    found = corners(back.scene)
     assert len(found) > 6
-    for text, corner in found.items():
-        offset = offset_of(text)
-        k = 1.841183781 / RADIUS
-        omega = math.sqrt(9.80665 * k * math.tanh(k * (LEVEL + offset.liquid_height)))
-        state = np.zeros(2)
-        for plan, sign, rest in ((out, 1.0, WAIT), (back, -1.0, 0.0)):
-            record = plan.trajectory
-            pushed = CubicSpline(record.t, sign * 0.5 * record.s_acceleration)  # the line is 0.5 m long
-            ratio = 2.0 * DAMPING * offset.damping * omega
+    k = 1.841183781 / RADIUS
+    offsets = [offset_of(text) for text in found]
+    level = np.array([LEVEL + offset.liquid_height for offset in offsets])
+    omega = np.sqrt(9.80665 * k * np.tanh(k * level))
+    ratio, bowl = 2.0 * DAMPING * np.array([offset.damping for offset in offsets]) * omega, omega**2 / 9.80665
+    state = np.zeros((2, len(found)))  # all corners side by side
+    for plan, sign, rest in ((out, 1.0, WAIT), (back, -1.0, 0.0)):
+        record = plan.trajectory
+        pushed = CubicSpline(record.t, sign * 0.5 * record.s_acceleration)  # the line is 0.5 m long
 
-            def rate(
-                t: float,
-                y: np.ndarray,
-                pushed=pushed,
-                end=record.t[-1],
-                ratio=ratio,
-                omega=omega,
-                bowl=omega**2 / 9.80665,
-            ) -> list[float]:
-                slope = bowl * y[0]
-                pull = (
-                    -ratio * y[1] - omega**2 * y[0] - bowl * slope * y[1] ** 2 - (float(pushed(t)) if t < end else 0.0)
-                )
-                return [y[1], pull / (1.0 + slope**2)]
+        def rate(t: float, y: np.ndarray, pushed=pushed, end=record.t[-1]) -> np.ndarray:
+            place, speed = y.reshape(2, -1)
+            slope = bowl * place
+            pull = -ratio * speed - omega**2 * place - bowl * slope * speed**2 - (pushed(t) if t < end else 0.0)
+            return np.concatenate([speed, pull / (1.0 + slope**2)])
 
-            state = solve_ivp(rate, (0.0, record.t[-1]), state, rtol=1e-8, atol=1e-10).y[:, -1]
-            if rest:
-                state = solve_ivp(rate, (record.t[-1], record.t[-1] + rest), state, rtol=1e-8, atol=1e-10).y[:, -1]
+        for begin, end in ((0.0, record.t[-1]), (record.t[-1], record.t[-1] + rest)):
+            state = solve_ivp(rate, (begin, end), state.ravel(), rtol=1e-8, atol=1e-10).y[:, -1].reshape(2, -1)
+    largest = 0.0
+    for (text, corner), place, speed, own in zip(found.items(), *state, omega, strict=True):
         end = replay(back.trajectory, corner.scene)
-        displaced = end.slosh_displacement[-1, 1], end.slosh_velocity[-1, 1] / omega
-        assert np.allclose(displaced, (state[0], state[1] / omega), atol=1.5e-5), text
+        displaced = end.slosh_displacement[-1, 1], end.slosh_velocity[-1, 1] / own
+        assert np.allclose(displaced, (place, speed / own), atol=1.5e-5), text
         largest = max(largest, float(np.hypot(*displaced)))
     assert largest > 1.5e-3  # there is something to compare
 

@@ -29,7 +29,7 @@ def extended(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     ("extended", "example"), [(e, e) for e in EXAMPLES], ids=[e.name for e in EXAMPLES], indirect=["extended"]
 )
 def test_a_worked_example_does_what_its_page_says(extended: Path, example: Path) -> None:
-    settings = {"PYTHONPATH": str(extended), "PYTHONDONTWRITEBYTECODE": "1", "NOSPILL_COMPILE": "off"}
+    settings = {"PYTHONPATH": str(extended), "PYTHONDONTWRITEBYTECODE": "1", "NOSPILL_COMPILE": "wait"}
     tried = run_python("-W", "error", str(example / "try_it.py"), cwd=extended, env={**os.environ, **settings})
     assert tried.returncode == 0, tried.stderr
     assert tried.stdout

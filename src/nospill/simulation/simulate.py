@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,14 +17,15 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX, body_motion
-from nospill.core.trees import constants
+from nospill.core.trees import constants, flatten
 from nospill.errors import ModelError, ScenarioError
+from nospill.judge.replay import liquid_steps
+from nospill.laws.kinds import lone_object_kind
 from nospill.laws.parameters import YAW_AXES, ObjectNumbers, ObjectStructure
 from nospill.laws.sample import object_states
 from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.laws.slosh.height import crest, surface_vector, yaw_heights
-from nospill.laws.slosh.integrate import integrate, refined, runge_kutta_step, step_sequence
-from nospill.laws.slosh.motion import modal_accelerations
+from nospill.laws.slosh.integrate import integrate, refined
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator, SloshModes
@@ -128,20 +129,17 @@ def _simulate(
     assert cargo.filling is not None  # _filled
     filling = cargo.filling
     structure = object_structure(cargo)
-    numbers = constants(object_numbers(cargo, fidelity="full", gravity=gravity))
+    own = object_numbers(cargo, fidelity="full", gravity=gravity)
+    numbers = constants(own)
     _check_rate(motion, filling.modes)
     spline = pose_spline(motion)
     count = structure.coordinates
     # Twice as many intervals as steps: the middle of a Runge-Kutta step needs the motion too.
     per_sample = 2 * max(1, int(np.ceil(float(np.max(np.diff(motion.t))) / _LONGEST_STEP - 1e-9)))
 
-    def rate(state: SX, body: SX, _: SX) -> SX:
-        accelerations = modal_accelerations(
-            structure, numbers, body_motion(body), state[:count], state[count:], damp_against_spin=False
-        )
-        return ca.vertcat(state[count:], accelerations)
-
-    steps = step_sequence(runge_kutta_step(rate, states=2 * count, inputs=9, parameters=0))
+    # The motion is that of the container itself, wherever on a tray it is said to stand.
+    parameters = flatten((gravity, 0.0, replace(own, position=np.zeros_like(own.position), yaw=0.0)))
+    steps = liquid_steps(lone_object_kind(structure))
 
     def solve(refinement: int) -> np.ndarray:
         grid = _divide(motion.t, per_sample * refinement)
@@ -150,7 +148,7 @@ def _simulate(
         displaced, moving = cargo.initial_coordinates
         start = np.concatenate([_level(structure, filling.oscillators, world_up(motion)) + displaced, moving])
         lengths = np.diff(grid[::2])
-        return integrate(steps, start[None], inputs=body, lengths=lengths, parameters=np.zeros((1, 0)))[:, 0]
+        return integrate(steps, start[None], inputs=body, lengths=lengths, parameters=parameters[None])[:, 0]
 
     integral = refined(solve, displacements=count)
     states = integral.states[:: (per_sample // 2) * integral.refinement]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal
 
 from nospill.paths.path import PRESETS
@@ -173,12 +174,17 @@ _NOT_SHOWN = ("speed_range", "hold_before", "hold_after")
 def _motion(draft: Draft) -> list[Field]:
     """Every key of `[motion]` that holds one value, as the schema describes it."""
     free = draft.value(("motion", "tilt")) == "free"
+    return [field for field in _motion_fields() if free or field.key[-1] not in _OF_TILT]
+
+
+@cache  # the schema takes 60 ms to make
+def _motion_fields() -> tuple[Field, ...]:
     found = []
     for name, entry in scenario_schema()["$defs"]["MotionTable"]["properties"].items():
-        if name not in _NOT_SHOWN and (free or name not in _OF_TILT):
+        if name not in _NOT_SHOWN:
             choices = tuple(entry.get("enum", ()))
             found.append(field_of(("motion", name), "choice" if choices else "quantity", choices, entry["description"]))
-    return found
+    return tuple(found)
 
 
 _SIZE_HINTS = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -161,15 +162,16 @@ class Cylinder:
         )
 
 
+@cache
 def bessel_roots(count: int) -> np.ndarray:
-    """The first `count` positive roots xi_n of J_1'(xi) = 0, shape (count,), to 1e-12.
+    """The first `count` positive roots xi_n of J_1'(xi) = 0, shape (count,), to 1e-12; read-only.
 
     Tabulated up to the tenth, then McMahon's expansion [Abramowitz and Stegun, 9.5.13].
     """
     beyond = np.arange(len(_FIRST_ROOTS) + 1, count + 1)
     b = 8 * (beyond - 0.25) * np.pi
     later = b / 8 - 7 / b - 1724 / (3 * b**3) - 956_576 / (15 * b**5) - 1_573_778_752 / (105 * b**7)
-    return np.concatenate((_FIRST_ROOTS[:count], later))
+    return read_only(np.concatenate((_FIRST_ROOTS[:count], later)))
 
 
 def enclosed_liquid_inertia(radius: float, liquid_height: float) -> float:
