@@ -40,6 +40,7 @@ from nospill.scenario import robot_entry as _robot
 from nospill.scenario import swing_entry as _swing
 from nospill.scenario import tolerance_entry as _tolerance
 from nospill.scenario.free_path_entry import FreePath as FreePath
+from nospill.scenario.joints_path_entry import JointsPath as JointsPath
 from nospill.scenario.loading import load as load
 from nospill.scenario.model import Scenario as Scenario
 from nospill.scenario.obstacle_entries import BoxObstacle as BoxObstacle
