@@ -40,7 +40,9 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
         return free
     found = nearest_of(scene, candidates)
     freest = max(range(len(found)), key=lambda index: found[index].slack)
-    if not scene.leaves_time_alone and (scene.motion.tilt_free or (redundant_joint(scene.robot) is not None and not _on_path(found[freest]))):
+    if not scene.leaves_time_alone and (
+        scene.motion.tilt_free or (redundant_joint(scene.robot) is not None and not _on_path(found[freest]))
+    ):
         return [candidates[freest]]
     raise NoSolutionError(
         _refusal(found[freest], len({places_of(joint_path) for joint_path in candidates})),

@@ -1,10 +1,11 @@
 """Paths of the joints: curves near the straight ways between points, and what they carry as polynomials of s.
 
 Between two points the joints move straight, as planners of paths check it. A corner is rounded, or the joints stop at
-it. The rounded curve is the smoothest within the distances allowed (`smoothing`), where 64 even spans are enough for
-it; else Schoenberg's variation diminishing spline of the polygon [de Boor, A Practical Guide to Splines, ch. XI]: of
-degree 5 on spans that are short where corners are sharp, its control points on the polygon at the knots' averages. That
-one lies on a straight way where it is longer than six spans, and crosses no plane more often than the polygon.
+it. The rounded curve is the smoothest within the distances allowed (`smoothing`), where no point is a corner and 64
+even spans are enough for it; else Schoenberg's variation diminishing spline of the polygon [de Boor, A Practical Guide
+to Splines, ch. XI]: of degree 5 on spans that are short where corners are sharp, its control points on the polygon at
+the knots' averages. That one lies on a straight way where it is longer than six spans, and crosses no plane more often
+than the polygon.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ _FEWEST = 8
 _PROBES = 8
 """Places in a span at which it is compared with the polygon."""
 _HALVINGS = 14
-_DENSE, _TIGHTENINGS = 801, 4
+_DENSE, _TIGHTENINGS = 401, 4
 """Places of the polygon near which the smoothest curve passes, and distances of the joints that are tried."""
 _GRADED = 2.5
 """Most times as long as its neighbour a span is."""
@@ -107,8 +108,11 @@ def rounded(points: np.ndarray, sizes: np.ndarray, gap: Gap, angle: float, lengt
     Raises:
         ScenarioError: so many corners that no curve of a reasonable number of spans keeps the distances.
     """
-    at, _ = _chords(points, sizes)
-    smooth = _smoothest(points, at, gap, angle, length)
+    if len(_corners(points)) == 2:
+        way = np.stack([points[-1] - points[0], points[0]])[:, None, :]
+        return JoinedPoints(Pieces(np.array([0.0, 1.0]), way), _chords(points, sizes), 0.0, 0.0, 0.0)
+    at = _chords(points, sizes)
+    smooth = None if len(corners_of(points, sizes)) else _smoothest(points, at, gap, angle, length)
     if smooth is not None:
         return smooth
     longest = float(np.abs(np.diff(points, axis=0)).sum(axis=0).max())
@@ -129,8 +133,8 @@ def rounded(points: np.ndarray, sizes: np.ndarray, gap: Gap, angle: float, lengt
         breaks = _halved(breaks, share.reshape(-1, _PROBES).max(axis=1) > 1.0)
     raise ScenarioError(
         f"{len(points)} points turn so often that no curve of {MOST_SPANS} pieces stays within "
-        f"{np.degrees(angle):.3g} deg and {1e3 * length:.3g} mm of the straight ways between them; widen joint_tolerance "
-        "and tray_tolerance, or give fewer points"
+        f"{np.degrees(angle):.3g} deg and {1e3 * length:.3g} mm of the straight ways between them; widen "
+        "joint_tolerance and tray_tolerance, or give fewer points"
     )
 
 
@@ -174,7 +178,7 @@ def stopping(points: np.ndarray, sizes: np.ndarray) -> JoinedPoints:
 
 def interpolated(points: np.ndarray, sizes: np.ndarray, gap: Gap) -> JoinedPoints:
     """The C4 spline of degree 5 through all points, over their chords; arguments as of `rounded`."""
-    at, _ = _chords(points, sizes)
+    at = _chords(points, sizes)
     pieces = interpolating_pieces(at, points)
     s = np.linspace(0.0, 1.0, _PROBES * len(points) + 1)
     joints, tray = gap(pieces(s), _on(points, at, s))
@@ -201,10 +205,10 @@ def _corners(points: np.ndarray) -> np.ndarray:
     return np.array([*kept, len(points) - 1])
 
 
-def _chords(points: np.ndarray, sizes: np.ndarray) -> tuple[np.ndarray, float]:
-    """Where each point is along the straight ways (m,), from 0 to 1, and the length of them all in sizes."""
+def _chords(points: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Where each point is along the straight ways (m,), from 0 to 1, their lengths in sizes."""
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0) / sizes, axis=1))])
-    return along / along[-1], float(along[-1])
+    return along / along[-1]
 
 
 def _on(points: np.ndarray, at: np.ndarray, s: np.ndarray) -> np.ndarray:

@@ -42,7 +42,7 @@ def read_joint_points(file: FilePath | str, joints: Sequence[str]) -> JointPoint
 
     A table of text (CSV; commas, semicolons, tabs or spaces) has a header with the joints' names, in any order, in rad
     unless a name ends in _deg or [deg]; other columns are left out. Without a header it has a column for each joint, in
-    rad. A file .yaml, .yml or .json is a message trajectory_msgs/JointTrajectory, or one in which such a message stands.
+    rad. A file .yaml, .yml or .json is a message trajectory_msgs/JointTrajectory, or one in which it stands.
 
     Args:
         file: the file.
