@@ -124,13 +124,15 @@ def rounded(points: np.ndarray, sizes: np.ndarray, gap: Gap, angle: float, lengt
         averages = np.array([knots[index + 1 : index + 1 + _DEGREE].mean() for index in range(len(breaks) + 4)])
         pieces = bspline_pieces(_on(points, at, averages), _DEGREE, knots)
         inner = (np.arange(_PROBES) + 0.5) / _PROBES
-        s = (breaks[:-1, None] + np.diff(breaks)[:, None] * inner).ravel()
+        s = np.sort(np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * inner).ravel(), at))
         joints, tray = gap(pieces(s), _on(points, at, s))
         share = np.maximum(joints / angle, tray / length)
         if np.all(share <= 1.0):
             worst = int(np.argmax(share))
             return JoinedPoints(pieces, at, float(joints.max()), float(tray.max()), float(s[worst]))
-        breaks = _halved(breaks, share.reshape(-1, _PROBES).max(axis=1) > 1.0)
+        broken = np.zeros(len(breaks) - 1, dtype=bool)
+        broken[np.clip(np.searchsorted(breaks, s[share > 1.0], side="right") - 1, 0, len(breaks) - 2)] = True
+        breaks = _halved(breaks, broken)
     raise ScenarioError(
         f"{len(points)} points turn so often that no curve of {MOST_SPANS} pieces stays within "
         f"{np.degrees(angle):.3g} deg and {1e3 * length:.3g} mm of the straight ways between them; widen "
