@@ -1,8 +1,7 @@
 """The tray that joints carry along a path of their own, as polynomials of s.
 
 Of the tray value, first and second derivative are those of forward kinematics at the ends of short spans; the quintics
-between them are off by less than a micrometre, which the problem
-has room for: the certificate is about the joints.
+between them are off by less than a micrometre, which the problem has room for: the certificate is about the joints.
 """
 
 from __future__ import annotations
