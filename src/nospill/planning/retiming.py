@@ -22,7 +22,6 @@ from nospill.scene.scene import Scene
 
 _IN_FOLDER = "trajectory.csv"
 """What is read of a plan folder."""
-_OF_TILT = ("tilt", "max_tilt", "tilt_jerk_limit")
 
 Motion = str | os.PathLike[str] | ArrayLike | Trajectory
 """What a path of the joints is taken from."""
@@ -53,9 +52,7 @@ def retime(
 def retimed_scene(motion: Motion, scene: Scene, **keys: float | str) -> Scene:
     """The scene with a path of the joints in the place of its own; arguments and errors as of `retime`."""
     own: dict[str, Any] = {"type": "joints", **_points(motion, scene.robot.joints), **keys}
-    stated = scene.source.get("motion", {})
-    tilt = {f"motion.{key}": None for key in _OF_TILT if key in stated}
-    return scene.changed({"path": own, **tilt})
+    return scene.changed({"path": own, "motion.tilt": None} if scene.motion.tilt_free else {"path": own})
 
 
 def _points(motion: Motion, joints: tuple[str, ...]) -> dict[str, Any]:
@@ -73,7 +70,7 @@ def _points(motion: Motion, joints: tuple[str, ...]) -> dict[str, Any]:
         points = np.asarray(motion, dtype=float)
     except (TypeError, ValueError):
         points = np.zeros(0)
-    if points.ndim != 2 or points.shape[1] != len(joints):
+    if points.ndim != 2 or points.shape[-1] != len(joints):
         raise ScenarioError(
             f"joint positions of shape {points.shape}: a file, a Trajectory or an array (m, {len(joints)}) in rad is "
             f"needed, a column for each joint: {', '.join(joints)}"

@@ -131,10 +131,10 @@ def _attitude(
     """Tilt angles with their first and second derivative, (m, 2) each, and quaternions (m, 4) of the tray."""
     tilt = [np.zeros((len(t), 2)) for _ in range(3)]
     if scene.path.joint_curve is not None:
-        tilt[0] = np.unwrap(np.column_stack(tilt_of(rotation)), axis=0)
-        for order in (1, 2):
-            tilt[order] = np.gradient(tilt[order - 1], t, axis=0)
-        return tilt, quaternions(rotation)
+        angle = np.unwrap(np.column_stack(tilt_of(rotation)), axis=0)
+        rate = np.column_stack([np.gradient(column, t) for column in angle.T])
+        change = np.column_stack([np.gradient(column, t) for column in rate.T])
+        return [angle, rate, change], quaternions(rotation)
     if layout.freedom.tilt:
         tilt = [chains[:, [3 * chain + order for chain in layout.freedom.tilt_chains]] for order in range(3)]
     yaw = scene.path.at(chains[:, 0])[:, 3]
