@@ -36,7 +36,7 @@ from nospill.cli.verifying import margins, verify
 from nospill.cli.viewing import view
 
 GROUPS: dict[str, tuple[Callable[..., int], ...]] = {
-    "Plan": (plan, retime, examples, robots, schema, studio, slow),
+    "Plan": (plan, examples, robots, schema, studio, retime, slow),
     "Look": (view, plot, report, film),
     "Judge": (judge, check, executed, verify),
     "Hand over": (export,),
