@@ -118,9 +118,7 @@ def _too_slow(trials: Trials, motion: Found) -> NoSolutionError:
     helped += _less_turn(trials)
     helped.sort(key=lambda entry: entry[0])
     named = _limiting_constraint(helped, culprits)
-    singular = (
-        at_singularity(scene, trials.joint_path, culprits[0].constraint, culprits[0].at_s) if culprits else None
-    )
+    singular = at_singularity(scene, trials.joint_path, culprits[0].constraint, culprits[0].at_s) if culprits else None
     needed = motion.duration * max(
         [_TIME_SPARE, *(_JERK_SPARE for item in culprits if item.constraint == JointJerk.name)]
     )
