@@ -25,6 +25,7 @@ from nospill.motion_files.judging import JudgedMotion as JudgedMotion
 from nospill.motion_files.judging import judge_file as judge_file
 from nospill.planning.planner import Planner as Planner
 from nospill.planning.planner import plan as plan
+from nospill.planning.retiming import retime as retime
 from nospill.plans.loading import load_plan as load_plan
 from nospill.plans.plan import Plan as Plan
 from nospill.plans.rows import with_residual_slosh as with_residual_slosh
@@ -40,6 +41,7 @@ from nospill.scenario import robot_entry as _robot
 from nospill.scenario import swing_entry as _swing
 from nospill.scenario import tolerance_entry as _tolerance
 from nospill.scenario.free_path_entry import FreePath as FreePath
+from nospill.scenario.joints_path_entry import JointsPath as JointsPath
 from nospill.scenario.loading import load as load
 from nospill.scenario.model import Scenario as Scenario
 from nospill.scenario.obstacle_entries import BoxObstacle as BoxObstacle

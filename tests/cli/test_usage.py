@@ -17,7 +17,7 @@ from tests.cli.commands import nospill
 from tests.waiting import run_python, wait_until
 
 GROUPS = {
-    "Plan": ("plan", "examples", "robots", "schema", "studio", "slow"),
+    "Plan": ("plan", "examples", "robots", "schema", "studio", "retime", "slow"),
     "Look": ("view", "plot", "report", "film"),
     "Judge": ("judge", "check", "executed", "verify"),
     "Hand over": ("export",),

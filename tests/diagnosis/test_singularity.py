@@ -44,9 +44,9 @@ def test_the_place_and_the_joints_are_those_whose_axes_line_up(roll: float) -> N
     assert angle.min() < 4.0 < np.median(angle)
     words = found.in_words(scene.path)
     assert words.startswith("a wrist singularity (joint_4 and joint_6 nearly in line) near s = 0.6")
-    assert at_singularity(scene.robot, joint_path, "joint acceleration", found.s) == found
-    assert at_singularity(scene.robot, joint_path, "joint acceleration", 0.0) is None
-    assert at_singularity(scene.robot, joint_path, "slip", found.s) is None
+    assert at_singularity(scene, joint_path, "joint acceleration", found.s) == found
+    assert at_singularity(scene, joint_path, "joint acceleration", 0.0) is None
+    assert at_singularity(scene, joint_path, "slip", found.s) is None
 
 
 @pytest.mark.parametrize("roll", [180.0, 165.0])

@@ -64,6 +64,8 @@ CARGO: dict[str, Table] = {
     "test-tube": ns.TestTube(name="c", radius="9 mm", height=0.1, base_radius=0.02, liquid_height="60 mm", **WATER),
     "profile": ns.Profile(name="c", profile=[[0, 0], ["30 mm", 0], [0.035, 0.09]], liquid_height="40 mm", **WATER),
 }
+LEVEL = [0.0, -1.4, 1.6, np.pi / 2 - 0.2, -np.pi / 2, 0.0]
+"""rad, of the arm with the tray level."""
 PLACES: dict[str, Any] = {"start": ns.Place(position=HERE), "goal": ns.Place(position=THERE, yaw="20 deg")}
 PATHS: dict[str, Table] = {
     "preset": ns.PresetPath(name="arc"),
@@ -71,6 +73,7 @@ PATHS: dict[str, Table] = {
     "line": ns.LinePath(start=HERE, end=THERE, yaw=["0 deg", "free", 0.5]),
     "arc": ns.ArcPath(start=HERE, through=["0.9 m", 0.0, 1.0], end=THERE),
     "waypoints": ns.WaypointsPath(points=np.linspace(HERE, THERE, 9), yaw_at_points=np.zeros(9)),
+    "joints": ns.JointsPath(points=np.outer([0.0, 0.4], np.eye(6)[0]) + LEVEL, join="stops", joint_tolerance="2 deg"),
     "free": ns.FreePath(
         via=[ns.Via(position=["0.9 m", 0, 1])], region=[ns.Region(at=[1, 0, 1], size=["3 m", "3 m", "3 m"])], **PLACES
     ),

@@ -27,6 +27,7 @@ from nospill.cli.listings import examples, robots, schema
 from nospill.cli.measuring import measure
 from nospill.cli.planning import plan, plot
 from nospill.cli.reporting import reported
+from nospill.cli.retiming import retime
 from nospill.cli.sharing import report
 from nospill.cli.slosh import compare, simulate
 from nospill.cli.slowing import slow
@@ -35,7 +36,7 @@ from nospill.cli.verifying import margins, verify
 from nospill.cli.viewing import view
 
 GROUPS: dict[str, tuple[Callable[..., int], ...]] = {
-    "Plan": (plan, examples, robots, schema, studio, slow),
+    "Plan": (plan, examples, robots, schema, studio, retime, slow),
     "Look": (view, plot, report, film),
     "Judge": (judge, check, executed, verify),
     "Hand over": (export,),

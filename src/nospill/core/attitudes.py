@@ -45,3 +45,34 @@ def angles_between(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 def yaw_of(rotations: np.ndarray) -> np.ndarray:
     """Yaw (m,), rad, of R = Rz(yaw) Ry(theta_y) Rx(theta_x) (m, 3, 3), |theta_y| below a quarter turn."""
     return np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0])
+
+
+def tilt_of(rotations: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """theta_x and theta_y (m,), rad, of R = Rz(yaw) Ry(theta_y) Rx(theta_x) (m, 3, 3).
+
+    The last row of R is -sin theta_y, cos theta_y sin theta_x, cos theta_y cos theta_x.
+    """
+    last = rotations[:, 2]
+    return np.arctan2(last[:, 1], last[:, 2]), np.arcsin(np.clip(-last[:, 0], -1.0, 1.0))
+
+
+def quaternions(rotations: np.ndarray) -> np.ndarray:
+    """Unit quaternions (m, 4) of rotations (m, 3, 3), steady where these are.
+
+    Row and column k of the matrix of products 4 q q^T follow from R; that of the largest entry is taken
+    [S. W. Shepperd, Quaternion from rotation matrix, 1978].
+    """
+    r, trace = rotations, np.trace(rotations, axis1=1, axis2=2)
+    products = np.empty((len(r), 4, 4))
+    for i in range(3):
+        for k in range(3):
+            products[:, i, k] = r[:, i, k] + r[:, k, i] if i != k else 1.0 + 2.0 * r[:, i, i] - trace
+        j, k = (i + 1) % 3, (i + 2) % 3
+        products[:, i, 3] = products[:, 3, i] = r[:, k, j] - r[:, j, k]
+    products[:, 3, 3] = 1.0 + trace
+    largest = np.argmax(np.diagonal(products, axis1=1, axis2=2), axis=1)
+    found = products[np.arange(len(r)), largest]
+    found /= np.linalg.norm(found, axis=1, keepdims=True)
+    turned = np.sum(found[1:] * found[:-1], axis=1) < 0.0
+    found[1:][np.cumsum(turned) % 2 == 1] *= -1.0
+    return found

@@ -1,4 +1,4 @@
-"""Cubic Hermite interpolation: the cubic with given values and slopes at both ends of an interval, and its slope."""
+"""Hermite interpolation: cubics with given values and slopes at both ends of an interval, quintics with bends too."""
 
 from __future__ import annotations
 
@@ -27,3 +27,19 @@ def cubic_hermite_slope(
     """Slope of the same cubic; arguments as of `cubic_hermite`."""
     bend = (1.0 - u) * (1.0 - 3.0 * u) * slopes[0] + u * (3.0 * u - 2.0) * slopes[1]
     return 6.0 * u * (1.0 - u) * (values[1] - values[0]) / width + bend
+
+
+def quintic_hermite(width: np.ndarray, values: np.ndarray, slopes: np.ndarray, bends: np.ndarray) -> np.ndarray:
+    """Coefficients (6, m, k), highest power first, of the quintics with given ends.
+
+    Args:
+        width: (m, 1) of the intervals.
+        values: (2, m, k) at their starts and at their ends.
+        slopes: (2, m, k) derivatives there.
+        bends: (2, m, k) second derivatives there.
+    """
+    h, rise = width, values[1] - values[0]
+    cubic = 20.0 * rise - (8.0 * slopes[1] + 12.0 * slopes[0]) * h - (3.0 * bends[0] - bends[1]) * h**2
+    quartic = -30.0 * rise + (14.0 * slopes[1] + 16.0 * slopes[0]) * h + (3.0 * bends[0] - 2.0 * bends[1]) * h**2
+    fifth = 12.0 * rise - 6.0 * (slopes[1] + slopes[0]) * h + (bends[1] - bends[0]) * h**2
+    return np.stack([fifth / (2 * h**5), quartic / (2 * h**4), cubic / (2 * h**3), bends[0] / 2, slopes[0], values[0]])

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from nospill.diagnosis.changes import advice
+from nospill.diagnosis.leaning import require_bearable_lean
 from nospill.diagnosis.least_relaxation import is_helped, least_share
 from nospill.diagnosis.not_found import no_time_to_plan, not_found, ways_round
 from nospill.diagnosis.options import Option, smaller_turn
@@ -52,6 +53,7 @@ def last_resort(run: Searcher, joint_path: JointPath, last: Answer | None) -> An
         NoSolutionError: there is none either; says why, and the smallest change that helps.
     """
     trials = Trials(run, joint_path)
+    require_bearable_lean(run.scene)
     require_possible_at_rest(trials)
     if run.out_of_time():
         raise no_time_to_plan(run.scene, last)
@@ -116,9 +118,7 @@ def _too_slow(trials: Trials, motion: Found) -> NoSolutionError:
     helped += _less_turn(trials)
     helped.sort(key=lambda entry: entry[0])
     named = _limiting_constraint(helped, culprits)
-    singular = (
-        at_singularity(scene.robot, trials.joint_path, culprits[0].constraint, culprits[0].at_s) if culprits else None
-    )
+    singular = at_singularity(scene, trials.joint_path, culprits[0].constraint, culprits[0].at_s) if culprits else None
     needed = motion.duration * max(
         [_TIME_SPARE, *(_JERK_SPARE for item in culprits if item.constraint == JointJerk.name)]
     )

@@ -38,7 +38,7 @@ def not_found(trials: Trials, last: Answer | None) -> NoSolutionError:
         worst = judged[0].worst
         changes = [*longer_time(trials, worst.use), *_smooth_enough(trials, worst, slow)]
         at_s = path_place(judged[1], worst.at_s)
-        singular = at_singularity(scene.robot, trials.joint_path, worst.constraint, at_s)
+        singular = at_singularity(scene, trials.joint_path, worst.constraint, at_s)
         if singular is not None:
             finding = f"{without_time(worst)}, even in a smooth motion of {0.95 * slow:.3g} s"
             return _singular(trials, singular, finding, worst.use - 1.0, changes)
@@ -56,7 +56,8 @@ def not_found(trials: Trials, last: Answer | None) -> NoSolutionError:
     status = "no start was solved"
     if last is not None:
         status = f"{last.solution.status} after {last.solution.iterations} iterations"
-    if (singular := nearest_singularity(scene.robot, trials.joint_path)) is not None:
+    singular = None if scene.path.joint_curve else nearest_singularity(scene.robot, trials.joint_path)
+    if singular is not None:
         return _singular(trials, singular, status)
     return NoSolutionError(
         f"No motion found: {status}, although a smooth motion of {0.95 * slow:.3g} s keeps every limit on the way; "
@@ -88,7 +89,7 @@ def _singular(
 def _require_regular(trials: Trials) -> None:
     """Raise NoSolutionError if the arm passes a singularity on its way, with what leads it past."""
     scene, joint_path = trials.run.scene, trials.joint_path
-    if redundant_joint(scene.robot) is not None:
+    if redundant_joint(scene.robot) is not None or scene.path.joint_curve is not None:
         return
     values = determinants(scene.robot, joint_path.q, None)
     if keeps_branch(values):

@@ -147,6 +147,8 @@ def smaller_turn(scene: Scene) -> list[Option]:
     """The yaw along the path, less of it about its start."""
     task, table = _task(scene), scene.source["path"]
     assert isinstance(table, dict)
+    if scene.path.joint_curve is not None:
+        return []
     given = table.get("yaw", FREE)
     values = np.array([quantity(entry, "angle") for entry in given if entry != FREE] if given != FREE else (0.0, 0.0))
     turn = float(np.max(np.abs(values - values[0])))

@@ -43,7 +43,7 @@ def is_hopeless(scene: Scene, joint_path: JointPath) -> bool:
         return False
     worst, trajectory = judged[0].worst, judged[1]
     at_s = path_place(trajectory, worst.at_s)
-    return at_singularity(scene.robot, joint_path, worst.constraint, at_s) is None
+    return at_singularity(scene, joint_path, worst.constraint, at_s) is None
 
 
 def require_possible_at_rest(trials: Trials) -> None:

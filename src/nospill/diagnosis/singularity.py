@@ -14,6 +14,7 @@ from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.regularity import determinants
 from nospill.robots.robot import Robot
+from nospill.scene.scene import Scene
 
 _NEAR = 0.2
 """Part of the determinant that is typical along the path; below it the arm is near a singularity."""
@@ -87,10 +88,13 @@ def nearest_singularity(robot: Robot, joint_path: JointPath) -> Singularity | No
     )
 
 
-def at_singularity(robot: Robot, joint_path: JointPath, constraint: str, at_s: float) -> Singularity | None:
-    """The singularity for which a limit on a joint is broken at a place of a path; None where none is near."""
+def at_singularity(scene: Scene, joint_path: JointPath, constraint: str, at_s: float) -> Singularity | None:
+    """The singularity for which a limit on a joint is broken at a place of a path; None where none is near.
+
+    A path of the joints asks for no speed there.
+    """
     known = BY_NAME.get(constraint)
-    if known is None or known.role is not Role.JOINT:
+    if known is None or known.role is not Role.JOINT or scene.path.joint_curve is not None:
         return None
-    found = nearest_singularity(robot, joint_path)
+    found = nearest_singularity(scene.robot, joint_path)
     return found if found is not None and abs(at_s - found.s) <= _AROUND else None

@@ -43,7 +43,7 @@ class Caption:
 
 def titles_of(films: Sequence[Film]) -> list[str]:
     """Names of motions: "level tray" and "tilting tray" where that tells plans apart, else the scenarios' names."""
-    kinds = ["tilting tray" if film.plan.scene.motion.tilt_free else "level tray" for film in films]
+    kinds = ["level tray" if film.plan.scene.stays_level else "tilting tray" for film in films]
     if len(films) > 1 and len(set(kinds)) == len(kinds):
         return kinds
     names = [film.plan.scene.name for film in films]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
-from nospill.core.attitudes import angles_between, matrices, tray_quaternions, yaw_of
+from nospill.core.attitudes import angles_between, matrices, tilt_of, tray_quaternions, yaw_of
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.beside_path import between_samples
 from nospill.judge.plausibility import unlikely_units
@@ -15,6 +15,8 @@ from nospill.judge.verdict import Trace, limit_trace
 from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
 from nospill.laws.scene_parameters import object_structure
 from nospill.motion.trajectory import Trajectory
+from nospill.paths.joint_curves import JointCurve
+from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
@@ -175,7 +177,7 @@ def record_traces(bare: Trajectory, trajectory: Trajectory, scene: Scene, played
     at_samples = slice(None, None, per_sample)
     written = _pose_error(played, trajectory.tray_position, matrices(trajectory.tray_quaternion), at_samples)
     return [
-        *([] if scene.motion.tilt_free else _level_traces(planned, played)),
+        *(_level_traces(planned, played) if scene.stays_level else []),
         *_path_traces(planned, scene, played),
         *_end_traces(scene, played),
         limit_trace("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
@@ -217,6 +219,8 @@ def _path_traces(planned: np.ndarray, scene: Scene, played: Replay) -> list[Trac
     that is free is the tray's own. A tray that may leave its path has a trace of the table about that.
     `planned` is the record there, `between_samples`.
     """
+    if scene.path.joint_curve is not None:
+        return _joint_curve_traces(planned[0], scene, scene.path.joint_curve, played)
     rules, (s, theta_x, theta_y) = scene.motion, planned
     pose = scene.path.at(np.clip(s, 0.0, 1.0))
     if not rules.tilt_free:
@@ -237,6 +241,19 @@ def _path_traces(planned: np.ndarray, scene: Scene, played: Replay) -> list[Trac
     ]
 
 
+def _joint_curve_traces(s: np.ndarray, scene: Scene, curve: JointCurve, played: Replay) -> list[Trace]:
+    """Traces of the joints on a path of theirs, at the recorded s, and of the tray where they carry it there."""
+    q = curve.joints(np.clip(s, 0.0, 1.0))
+    position, rotation = kinematics(scene.robot).poses(q, tool=scene.tray.tool)
+    distance, angle = _pose_error(played, position, rotation)
+    joints = np.max(np.abs(played.joint_position - q), axis=1)
+    return [
+        limit_trace("path position", "tray", "m", POSITION_TOLERANCE, played.t, distance),
+        limit_trace("path attitude", "tray", "rad", ATTITUDE_TOLERANCE, played.t, angle),
+        limit_trace("path joints", "joints", "rad", ATTITUDE_TOLERANCE, played.t, joints),
+    ]
+
+
 def _end_traces(scene: Scene, played: Replay) -> list[Trace]:
     """The trace of joints that the scenario states for the ends of the motion, where it does."""
     stated = [(at, q) for at, q in zip((0, -1), scene.path.ends, strict=True) if q is not None]
@@ -248,7 +265,7 @@ def _end_traces(scene: Scene, played: Replay) -> list[Trace]:
 
 def _level_traces(planned: np.ndarray, played: Replay) -> list[Trace]:
     """Traces of both tilt angles of a tray that must not tilt: those the joints make and those of the record."""
-    made, (_, *recorded) = _made_tilt(played), planned
+    made, (_, *recorded) = tilt_of(played.tray.rotation), planned
     return [
         limit_trace(Tilt.name, name, "rad", ATTITUDE_TOLERANCE, played.t, np.maximum(np.abs(own), np.abs(theirs)))
         for name, own, theirs in zip(TILT_ANGLES, made, recorded, strict=True)
@@ -259,21 +276,11 @@ def tilt_traces(scene: Scene, played: Replay) -> list[Trace]:
     """Traces of both tilt angles that the joints make, where the tilt is free: of a tray that follows its command."""
     if not scene.motion.tilt_free:
         return []
-    made, limit = _made_tilt(played), scene.motion.max_tilt
+    made, limit = tilt_of(played.tray.rotation), scene.motion.max_tilt
     return [
         limit_trace(Tilt.name, name, "rad", limit, played.t, np.abs(own))
         for name, own in zip(TILT_ANGLES, made, strict=True)
     ]
-
-
-def _made_tilt(played: Replay) -> tuple[np.ndarray, np.ndarray]:
-    """Both tilt angles (m,) that the joints make, rad.
-
-    With R = Rz(yaw) Ry(theta_y) Rx(theta_x) the last row of R is -sin theta_y, cos theta_y sin theta_x,
-    cos theta_y cos theta_x.
-    """
-    last = played.tray.rotation[:, 2]
-    return np.arctan2(last[:, 1], last[:, 2]), np.arcsin(np.clip(-last[:, 0], -1.0, 1.0))
 
 
 def _pose_error(

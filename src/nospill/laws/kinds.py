@@ -37,7 +37,7 @@ def tray_kind(structure: Structure) -> Structure:
 
 def motion_kind(structure: Structure) -> Structure:
     """The tray's way along a path: the same for any robot and cargo, and for any number of spans."""
-    tilt, offset, yaw = structure.freedom
+    tilt, offset, yaw, _ = structure.freedom
     way = Structure("full", tilt, "residual", 1, structure.degree, "", (), "", ())
     return replace(way, offset_free=offset, yaw_free=yaw)
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from nospill.core.frames import SX
 from nospill.core.trees import flatten, symbolic
+from nospill.paths.joint_curves import POSE
 from nospill.scene.containers.footprints import Footprint
 from nospill.scene.limits import Limit
 from nospill.scene.scene import EndCondition, Fidelity
@@ -63,11 +64,18 @@ class Freedom(NamedTuple):
         tilt: pitch and roll.
         offset: its centre may leave the path, in any direction.
         yaw: it may turn otherwise than the path says.
+        by_joints: the path is one of the joints, which lean the tray as they do; it has no freedom beside it.
     """
 
     tilt: bool = False
     offset: bool = False
     yaw: bool = False
+    by_joints: bool = False
+
+    @property
+    def leans(self) -> bool:
+        """Whether the tray may be other than level."""
+        return self.tilt or self.by_joints
 
     @property
     def tilt_chains(self) -> range:
@@ -196,8 +204,11 @@ class SceneNumbers:
     """
 
     gravity: Annotated[Number, Of("gravity")]
-    path_breaks: Annotated[Number, Of("path.breaks", lambda whole: (whole.spans + 1,))]
-    path_coefficients: Annotated[Number, Of("path.coefficients", lambda whole: (whole.degree + 1, whole.spans, 4))]
+    path_breaks: Annotated[Number, Of("path.prescribed.breaks", lambda whole: (whole.spans + 1,))]
+    path_coefficients: Annotated[
+        Number,
+        Of("path.prescribed.coefficients", lambda whole: (whole.degree + 1, whole.spans, whole.path_columns)),
+    ]
     tool: Annotated[Number, Of("tray.tool.row", (4,))]
     base: Annotated[Number, Of(shape=(4,))]
     joint_lower: Annotated[Number, Of("robot.lower", joints)]
@@ -290,6 +301,7 @@ class Structure:
         vias: how many places the tray passes.
         corridor_steps: at how many places the width of the corridor is given; 0 where it is the same everywhere.
         constraints: given from Python.
+        by_joints: whether the path is one of the joints.
     """
 
     fidelity: Fidelity
@@ -313,11 +325,17 @@ class Structure:
     vias: int = 0
     corridor_steps: int = 0
     constraints: tuple[Limit, ...] = ()
+    by_joints: bool = False
 
     @property
     def freedom(self) -> Freedom:
         """What the tray may do beside its way along the path."""
-        return Freedom(self.tilt_free, self.offset_free, self.yaw_free)
+        return Freedom(self.tilt_free, self.offset_free, self.yaw_free, self.by_joints)
+
+    @property
+    def path_columns(self) -> int:
+        """Columns of what the path says, `Path.prescribed`."""
+        return POSE + len(self.joints) if self.by_joints else 4
 
     @property
     def slosh_slices(self) -> tuple[slice, ...]:

@@ -42,15 +42,15 @@ def structure_of(scene: Scene) -> Structure:
         fidelity=scene.fidelity,
         tilt_free=scene.motion.tilt_free,
         end=scene.motion.end,
-        spans=scene.path.coefficients.shape[1],
-        degree=scene.path.coefficients.shape[0] - 1,
+        spans=scene.path.prescribed.coefficients.shape[1],
+        degree=scene.path.prescribed.coefficients.shape[0] - 1,
         urdf=without_place(scene.robot.urdf)[0],
         joints=scene.robot.joints,
         tip=scene.robot.tip,
         objects=tuple(object_structure(cargo) for cargo in scene.cargo),
         joint_limits=joint_limits(scene.robot),
         torque_joints=torque_joints(scene.robot),
-        redundant=len(scene.robot.joints) > 6,
+        redundant=len(scene.robot.joints) > 6 and scene.path.joint_curve is None,
         offset_free=scene.motion.corridor is not None,
         vias=len(scene.motion.via),
         corridor_steps=len(scene.motion.corridor_shares),
@@ -59,6 +59,7 @@ def structure_of(scene: Scene) -> Structure:
         braking=scene.robot.braking is not None,
         slowed=any(cargo.is_slowed for cargo in scene.cargo),
         constraints=tuple(item.on(scene) for item in scene.constraints),
+        by_joints=scene.path.joint_curve is not None,
     )
 
 

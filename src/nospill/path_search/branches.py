@@ -40,7 +40,9 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
         return free
     found = nearest_of(scene, candidates)
     freest = max(range(len(found)), key=lambda index: found[index].slack)
-    if scene.motion.tilt_free or (redundant_joint(scene.robot) is not None and not _on_path(found[freest])):
+    if not scene.leaves_time_alone and (
+        scene.motion.tilt_free or (redundant_joint(scene.robot) is not None and not _on_path(found[freest]))
+    ):
         return [candidates[freest]]
     raise NoSolutionError(
         _refusal(found[freest], len({places_of(joint_path) for joint_path in candidates})),
@@ -49,8 +51,11 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
 
 
 def require_free_ends(scene: Scene) -> None:
-    """Raise the error for an obstacle in the way of the tray or its cargo where the path starts or ends."""
-    if not scene.has_surroundings:
+    """Raise the error for an obstacle in the way of the tray or its cargo where the path starts or ends.
+
+    A path of the joints is looked at as a whole.
+    """
+    if not scene.has_surroundings or scene.path.joint_curve is not None:
         return
     ends = nearest_of_tray(scene, scene.path, places=2)
     if ends.slack < 0.0:

@@ -48,6 +48,8 @@ def require_standing_room(scene: Scene) -> None:
         ScenarioError: naming the pair, the depth, the place, and changes that help.
     """
     for verb, s in _ENDS.items():
+        if scene.path.joint_curve is not None:  # looked at as a whole, and changed by none of these
+            return
         q, found = _freest(scene, s)
         if found is None or found.slack >= 0.0:
             continue
@@ -84,7 +86,7 @@ def advised_free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[Jo
     except NoSolutionError as error:
         reason = error.reason
         own = {pair.subject for pair in scene_pairs(scene) if pair.of_arm}
-        if reason is None or reason.subject not in own:
+        if reason is None or reason.subject not in own or scene.path.joint_curve is not None:
             raise
         changes = tuple(helpful_changes(scene))
         text = f"{error}; {advice_on(reason.subject, changes)}"

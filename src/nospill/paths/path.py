@@ -12,6 +12,7 @@ import numpy as np
 from nospill.core.arrays import read_only
 from nospill.core.piecewise import SAME_KNOT, Pieces, bspline_pieces, interpolating_pieces, refined, spline_of_curve
 from nospill.errors import ScenarioError
+from nospill.paths.joint_curves import JointCurve
 from nospill.paths.path_checks import checked_knots, checked_numbers, checked_point, checked_points, point_text
 
 MAX_INTERPOLATED = 500
@@ -35,6 +36,8 @@ class Path:
         notes: what was assumed or left out when it was made from recorded points, one sentence each, for people.
         joints: joint positions (n,) along it, rad, near which an arm of seven follows it; None where none are known.
         ends: joint positions (n,) in which the arm starts and arrives, rad; None where it may choose.
+        joint_curve: the joints along it, where it is a path of the joints: they carry the tray, whose attitude is what
+            they make it. None where the tray is level, or tilts by itself, and the arm follows.
     """
 
     breaks: np.ndarray
@@ -42,6 +45,12 @@ class Path:
     notes: tuple[str, ...] = ()
     joints: Pieces | None = None
     ends: tuple[np.ndarray | None, np.ndarray | None] = (None, None)
+    joint_curve: JointCurve | None = None
+
+    @property
+    def prescribed(self) -> Pieces:
+        """What s says, in columns: x, y, z and yaw; of a path of the joints the tray's pose and the joints."""
+        return Pieces(self.breaks, self.coefficients) if self.joint_curve is None else self.joint_curve.pieces
 
     def at(self, s: np.ndarray | Sequence[float] | float) -> np.ndarray:
         """Position and yaw at path parameters `s`; outside [0, 1] the end pieces are continued.

@@ -99,7 +99,7 @@ class ActiveSet:
             *apart
         ]
         left_out = set(task.ignored)
-        if scene.motion.is_given and len(scene.robot.joints) == 6:
+        if scene.leaves_time_alone:
             left_out.add(JointPosition.name)  # the path alone gives the joints, and the joint path keeps their ranges
         possible = frozenset(row for row in rows if row.constraint not in left_out)
         known = by_name(scene)

@@ -89,6 +89,7 @@ def _plan(
     if has_free_path(scene):
         with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = fastest_clear_path(scene)
+    diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
     task = Task.of(scene, ignore)
     judged, instead = _first_certified(_offers(task, warm, last, log), log)
     report = log.report(

@@ -171,6 +171,9 @@ def _path(scene: Scene) -> str:
 def _attitude(scene: Scene) -> str:
     if scene.motion.tilt_free:
         return f"the tray may tilt, up to {np.degrees(scene.motion.max_tilt):.4g} deg about either axis"
+    curve = scene.path.joint_curve
+    if curve is not None:
+        return f"the tray leans as the joints make it, up to {np.degrees(curve.lean.max()):.3g} deg"
     return "the tray stays level"
 
 

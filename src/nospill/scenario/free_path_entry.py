@@ -20,7 +20,7 @@ from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario.fields import ANGLE, POINT, SIDE, Angle, Measured, Name, Point, Vector
 from nospill.scenario.freedom_entries import WIDEST, WidthAlong
-from nospill.scenario.path_table import PathTable
+from nospill.scenario.path_table import CorridorTable
 from nospill.scenario.place_entry import Placed, PlaceTable, resolve_place
 from nospill.scenario.tables import (
     Given,
@@ -75,7 +75,7 @@ MOST_PLACES = 5
 _REGION_NAMES = ("region", *(f"region-{number}" for number in range(2, MOST_PLACES + 1)))
 
 
-class FreePath(PathTable):
+class FreePath(CorridorTable):
     """`type = "free"`: from here to there, the way between them left to the planner."""
 
     type: Literal["free"] = tag()

@@ -26,12 +26,13 @@ from nospill.robots.tool import Tool
 from nospill.scenario.fields import ANGLE, FREE, JOINT_ANGLE, POINT, Measured, Point
 from nospill.scenario.free_path_entry import FreePath
 from nospill.scenario.freedom_entries import Yaw
-from nospill.scenario.path_table import PathTable
+from nospill.scenario.joints_path_entry import JointsPath
+from nospill.scenario.path_table import CorridorTable, PathTable
 from nospill.scenario.place_entry import joints_at
 from nospill.scenario.tables import Given, Points, Values, default, tag
 
 
-class GivenPath(PathTable):
+class GivenPath(CorridorTable):
     """The keys of every path that is given as a curve."""
 
     yaw: Yaw = default((0.0, 0.0))
@@ -168,7 +169,7 @@ class WaypointsPath(GivenPath):
         str | None, Field(strict=True, max_length=300, description="where the points come from, in words")
     ] = None
 
-    def standalone(self, folder: FilePath) -> dict[str, object]:
+    def standalone(self, folder: FilePath, robot: Robot) -> dict[str, object]:
         """See `PathTable`: the points of the file take the place of its name."""
         if (self.file is None) == (self.points is None):
             given = "neither is given" if self.file is None else "both are given"
@@ -215,11 +216,13 @@ PATH_TABLES: dict[str, type[PathTable]] = {
     "line": LinePath,
     "arc": ArcPath,
     "waypoints": WaypointsPath,
+    "joints": JointsPath,
     "free": FreePath,
 }
 """Type -> the keys of the path."""
 
 PathEntry = Annotated[
-    PresetPath | BsplinePath | LinePath | ArcPath | WaypointsPath | FreePath, Field(discriminator="type")
+    PresetPath | BsplinePath | LinePath | ArcPath | WaypointsPath | JointsPath | FreePath,
+    Field(discriminator="type"),
 ]
 """Any of them, distinguished by `type`."""

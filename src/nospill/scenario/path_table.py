@@ -16,17 +16,15 @@ from nospill.scene.places import Region, Via
 class PathTable(Table):
     """The keys of every path."""
 
-    corridor: Corridor = default(None)
-
     @property
     def width(self) -> float | None:
         """How far the tray's centre may leave the path where it may most, m; None where it may not."""
-        return max(self.corridor) if isinstance(self.corridor, tuple) else self.corridor
+        return None
 
     @property
     def width_shares(self) -> tuple[float, ...]:
         """Parts of that along the path, where it is not the same everywhere."""
-        return tuple(width / max(self.corridor) for width in self.corridor) if isinstance(self.corridor, tuple) else ()
+        return ()
 
     @property
     def regions(self) -> tuple[Region, ...]:
@@ -46,8 +44,12 @@ class PathTable(Table):
         """Whether the yaw between its ends is left to the planner."""
         raise NotImplementedError
 
-    def standalone(self, folder: FilePath) -> dict[str, object]:
-        """Keys to replace so that the table needs no other file (None: to remove); files are looked up in `folder`.
+    def standalone(self, folder: FilePath, robot: Robot) -> dict[str, object]:
+        """Keys to replace so that the table needs no other file (None: to remove).
+
+        Args:
+            folder: where files are looked up.
+            robot: whose joints they may be of.
 
         Raises:
             ScenarioError: a file it names cannot be read.
@@ -69,3 +71,19 @@ class PathTable(Table):
             ScenarioError: the numbers make no path.
         """
         raise NotImplementedError
+
+
+class CorridorTable(PathTable):
+    """The keys of every path that the tray may leave."""
+
+    corridor: Corridor = default(None)
+
+    @property
+    def width(self) -> float | None:
+        """See `PathTable`."""
+        return max(self.corridor) if isinstance(self.corridor, tuple) else self.corridor
+
+    @property
+    def width_shares(self) -> tuple[float, ...]:
+        """See `PathTable`."""
+        return tuple(width / max(self.corridor) for width in self.corridor) if isinstance(self.corridor, tuple) else ()

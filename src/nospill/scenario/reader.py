@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -38,6 +39,8 @@ from nospill.scene.tolerances import greatest_mass
 from nospill.scene.tray import Tray
 from nospill.scene.turning import turning, turns
 
+_LEVEL = math.radians(0.1)
+"""Lean of a tray on which a liquid rests: 0.06 mm at the wall of a cup of 35 mm."""
 MOST_REST_SAMPLES = 200_000
 """Samples of rest before and after a motion: 100 s at each end at 1 kHz."""
 
@@ -84,7 +87,7 @@ def read_scene(
     tool = Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange)
     tray = Tray(size=read_only(scenario.tray.size), tool=tool, mass=scenario.tray.mass)
     with _at(label, "[path]"):
-        read_in, base_is_free = scenario.path.standalone(folder), scenario.robot.base_yaw == FREE
+        read_in, base_is_free = scenario.path.standalone(folder, robot), scenario.robot.base_yaw == FREE
         path_table = scenario.path.model_copy(update=read_in).placed(robot, tool, base_is_free=base_is_free)
         scenario = scenario.model_copy(update={"path": path_table})
         path = path_table.build()
@@ -94,6 +97,8 @@ def read_scene(
     _check_payload(robot, tray, cargo, scenario, label)
     with _at(label, "[motion]"):
         _check_motion(scenario)
+    with _at(label, "[path]"):
+        _check_ends(path, cargo)
     faults = layout_faults(cargo, tray)
     if faults:
         raise report(label, faults, layout_reason(cargo, tray))
@@ -266,6 +271,8 @@ def _check_motion(scenario: Scenario) -> None:
             f"hold_before and hold_after are {samples:.0f} samples of rest at {scenario.output.rate:g} Hz; at most "
             f"{MOST_REST_SAMPLES} are written and judged; shorten them or lower output.rate"
         )
+    if scenario.motion.tilt == "free" and scenario.path.type == "joints":
+        raise ScenarioError('tilt = "free" and a path of the joints: the tray leans as the path says; leave tilt out')
     _check_speed_range(scenario)
     swinging = next((entry.name for entry in scenario.cargo if entry.initial_swing is not None), None)
     before = "hold_before" if scenario.motion.hold_before > 0.0 else "[approach]" if scenario.approach else ""
@@ -274,6 +281,20 @@ def _check_motion(scenario: Scenario) -> None:
             f"{before} comes before the motion, at whose beginning {as_written(swinging)} has its initial_swing; leave "
             "one of them out, and give the swing that is left after the wait"
         )
+
+
+def _check_ends(path: Path, cargo: tuple[Cargo, ...]) -> None:
+    """Refuse a path of the joints at whose ends the tray leans with liquids on it: they rest level with the tray."""
+    liquid = next((item.name for item in cargo if item.filling is not None), None)
+    if path.joint_curve is None or liquid is None:
+        return
+    for verb, lean in zip(("starts", "ends"), path.joint_curve.lean[[0, -1]], strict=True):
+        if lean > _LEVEL:
+            shown, most = (format_quantity(float(angle), "angle", digits=3) for angle in (lean, _LEVEL))
+            raise ScenarioError(
+                f"the tray leans {shown} where the path {verb}, and {as_written(liquid)} has a liquid, which rests on "
+                f"a tray that is level to {most}; change that point"
+            )
 
 
 def _check_speed_range(scenario: Scenario) -> None:

@@ -10,6 +10,7 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
+from nospill.core.attitudes import angles_between
 from nospill.core.files import atomic_text
 from nospill.errors import ScenarioError
 from nospill.paths.path import Path
@@ -34,6 +35,8 @@ SPEED_STEP = 0.0125
 omega does in the time T is a function of 1/v of bandwidth omega T, and this determines it up to omega T = 250: the
 fastest of twenty modes of a cup of 35 mm radius in 1.9 s."""
 
+_LEAST_LEVER = 0.01
+"""m; a tray that moves less than this for a radian of the joints counts as moved so far."""
 _PLANNED_MODES = 3
 """Modes with which liquids join a problem at full fidelity; where the faster ones alone break a limit, it gets twice as
 many."""
@@ -316,7 +319,13 @@ class Scene:
     @property
     def leaves_time_alone(self) -> bool:
         """Whether the path fixes every pose of the tray and every joint of the arm, and the motion is free in time."""
-        return self.motion.is_given and len(self.robot.joints) <= 6
+        by_path = self.path.joint_curve is not None or len(self.robot.joints) <= 6
+        return self.motion.is_given and by_path
+
+    @property
+    def stays_level(self) -> bool:
+        """Whether the tray is level all the way: it may not tilt, and no path of the joints leans it."""
+        return not self.motion.tilt_free and self.path.joint_curve is None
 
     @property
     def keeps_distances(self) -> bool:
@@ -352,6 +361,14 @@ class Scene:
 
 
 def path_length_of(path: Path, tray: Tray) -> float:
-    """`Scene.way` of a path and a tray."""
-    turn = float(np.ptp(path.at(np.linspace(0.0, 1.0, 101))[:, 3]))
-    return max(path.length, turn * float(np.hypot(*tray.size)) / 2)
+    """`Scene.path_length` of a path and a tray.
+
+    Of a path of the joints on which the tray hardly moves that of a point at a lever arm from them.
+    """
+    s, corner = np.linspace(0.0, 1.0, 101), float(np.hypot(*tray.size)) / 2
+    if path.joint_curve is None:
+        return max(path.length, float(np.ptp(path.at(s)[:, 3])) * corner)
+    rotations = path.joint_curve.poses(path.joint_curve.pieces.breaks)[1]
+    turn = float(np.sum(angles_between(rotations[:-1], rotations[1:])))
+    joints = float(np.sum(np.abs(np.diff(path.joint_curve.joints(s), axis=0))))
+    return max(path.length, turn * corner, _LEAST_LEVER * joints)

@@ -21,7 +21,7 @@ _NO_TURN = 1e-9
 
 def turns(path: Path, motion: MotionRules) -> bool:
     """Whether a motion turns what stands on the tray about its own axis."""
-    if motion.tilt_free or motion.yaw_free:
+    if motion.tilt_free or motion.yaw_free or path.joint_curve is not None:
         return True
     changing = path.coefficients[:-1, :, 3]  # of a path without jumps: the constants of its pieces are then alike
     return bool(np.max(np.abs(changing), initial=0.0) > _NO_TURN)

@@ -10,7 +10,7 @@ import numpy as np
 
 from nospill.compiled import codegen
 from nospill.compiled.kept import kept
-from nospill.core.attitudes import tray_quaternions
+from nospill.core.attitudes import quaternions, tilt_of, tray_quaternions
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion
 from nospill.core.trees import flatten
@@ -21,6 +21,7 @@ from nospill.laws.sample import coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.height import crest
 from nospill.motion.trajectory import SloshTrack, Trajectory
+from nospill.paths.joint_curves import JointCurve
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import Held, solve_joints
@@ -75,14 +76,8 @@ def export_samples(scene: Scene, stages: Stages, along: JointPath | None = None)
     t = np.arange(count) / scene.output_rate
     samples = sample_stages(stages, layout, np.minimum(t, stages.duration))
     samples.chains[t >= stages.duration] = stages.table[-1, : 3 * layout.chains]
-    tray = _tray_samples(scene, samples.chains)
-    position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray, samples.chains)
-    tilt = [np.zeros((count, 2)) for _ in range(3)]
-    if layout.freedom.tilt:
-        tilt = [samples.chains[:, [3 * chain + order for chain in layout.freedom.tilt_chains]] for order in range(3)]
-    yaw = scene.path.at(samples.chains[:, 0])[:, 3]
-    for chain in layout.freedom.turn_chains:
-        yaw = yaw + samples.chains[:, 3 * chain]
+    tray, (position, speed, acceleration) = _moved(scene, stages, layout, t, samples.chains)
+    tilt, quaternion = _attitude(scene, layout, t, samples.chains, tray.rotation)
     return Trajectory(
         t=t,
         s=samples.chains[:, 0],
@@ -96,7 +91,7 @@ def export_samples(scene: Scene, stages: Stages, along: JointPath | None = None)
         joint_speed=speed,
         joint_acceleration=acceleration,
         tray_position=tray.position,
-        tray_quaternion=tray_quaternions(yaw, tilt[0][:, 1], tilt[0][:, 0]),
+        tray_quaternion=quaternion,
         slosh=_slosh_tracks(scene, samples, tray),
     )
 
@@ -115,13 +110,12 @@ def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = No
     layout = layout_of(structure_of(scene))
     t = np.arange(stages.intervals + 1) * stages.interval
     chains = stages.table[:, : 3 * layout.chains]
-    tray = _tray_samples(scene, chains)
     if near is not None:
         table = stages.table.copy()
         table[:, layout.joint_position] = near.at(np.clip(chains[:, 0], 0.0, 1.0))
         stages = replace(stages, table=table)
     try:
-        position, speed, acceleration = _joint_samples(scene, stages, layout, t, tray, chains)
+        position, speed, acceleration = _moved(scene, stages, layout, t, chains)[1]
     except (ModelError, np.linalg.LinAlgError):
         return stages
     jerk = np.gradient(acceleration, stages.interval, axis=0)
@@ -129,6 +123,50 @@ def with_joints_solved(scene: Scene, stages: Stages, near: JointPath | None = No
     for order, part in enumerate((position, speed, acceleration, jerk)[: layout.orders + 1]):
         table[:, layout.joint_derivative(order)] = part
     return replace(stages, table=table)
+
+
+def _attitude(
+    scene: Scene, layout: Layout, t: np.ndarray, chains: np.ndarray, rotation: np.ndarray
+) -> tuple[list[np.ndarray], np.ndarray]:
+    """Tilt angles with their first and second derivative, (m, 2) each, and quaternions (m, 4) of the tray."""
+    tilt = [np.zeros((len(t), 2)) for _ in range(3)]
+    if scene.path.joint_curve is not None:
+        angle = np.unwrap(np.column_stack(tilt_of(rotation)), axis=0)
+        rate = np.column_stack([np.gradient(column, t) for column in angle.T])
+        change = np.column_stack([np.gradient(column, t) for column in rate.T])
+        return [angle, rate, change], quaternions(rotation)
+    if layout.freedom.tilt:
+        tilt = [chains[:, [3 * chain + order for chain in layout.freedom.tilt_chains]] for order in range(3)]
+    yaw = scene.path.at(chains[:, 0])[:, 3]
+    for chain in layout.freedom.turn_chains:
+        yaw = yaw + chains[:, 3 * chain]
+    return tilt, tray_quaternions(yaw, tilt[0][:, 1], tilt[0][:, 0])
+
+
+def _moved(
+    scene: Scene, stages: Stages, layout: Layout, t: np.ndarray, chains: np.ndarray
+) -> tuple[TraySamples, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """The tray, and the joints' positions, speeds and accelerations (m, n)."""
+    if scene.path.joint_curve is not None:
+        return _along_curve(scene, scene.path.joint_curve, chains)
+    tray = _tray_samples(scene, chains)
+    return tray, _joint_samples(scene, stages, layout, t, tray, chains)
+
+
+def _along_curve(
+    scene: Scene, curve: JointCurve, chains: np.ndarray
+) -> tuple[TraySamples, tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """`_moved` on a path of the joints, by the chain rule and forward kinematics."""
+    value, first, second, _ = curve.rates(np.clip(chains[:, 0], 0.0, 1.0))
+    rate, change = chains[:, 1:2], chains[:, 2:3]
+    joints = (value, first * rate, second * rate**2 + first * change)
+    made = kinematics(scene.robot).motions(*joints, tool=scene.tray.tool)
+    twist = np.hstack([made.velocity, made.angular_velocity])
+    twist_change = np.hstack([made.acceleration, made.angular_acceleration])
+    lifted = made.acceleration + np.array([0.0, 0.0, scene.gravity])
+    vectors = np.stack([made.angular_velocity, made.angular_acceleration, lifted])
+    body = np.einsum("mji,kmj->kim", made.rotation, vectors).reshape(9, -1)
+    return TraySamples(made.position, made.rotation, twist, twist_change, body), joints
 
 
 @kept(maxsize=16)

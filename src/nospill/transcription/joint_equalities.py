@@ -42,6 +42,8 @@ def joint_equalities(
     attitudes agree (or differ by half a turn).
     """
     joints = [stage[layout.joint_derivative(order)] for order in range(layout.orders + 1)]
+    if structure.by_joints:
+        return ca.vertcat(*joints) - _along(piece.of_joints, chains[0], stage[layout.jerks], layout.orders)
     arm, place, yaw = kinematics(structure), numbers.base[:3], about_z(numbers.base[3])
     position, rotation = arm.pose(joints[0], tool=numbers.tool)
     velocity, omega = arm.twist(joints[0], joints[1], tool=numbers.tool)
@@ -108,3 +110,13 @@ def _tray_jerk(
     rates = [ca.vertcat(*chain[1:], jerks[index]) for index, chain in enumerate(chains)]
     jerk = ca.jtimes(acceleration, symbol, ca.vertcat(*rates))
     return ca.substitute(jerk, symbol, ca.vertcat(*[ca.vertcat(*chain) for chain in chains]))
+
+
+def _along(piece: PathPiece, chain: IntegratorChain, jerk: SX, orders: int) -> SX:
+    """Joints on a path of theirs and their time derivatives up to an order, one after the other, by the chain rule."""
+    s, speed, acceleration = chain
+    value, first, second = piece.at(s)
+    rates = [value, first * speed, second * speed**2 + first * acceleration]
+    if orders > 2:
+        rates.append(piece.third(s) * speed**3 + 3 * second * speed * acceleration + first * jerk)
+    return ca.vertcat(*rates[: orders + 1])

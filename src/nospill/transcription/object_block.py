@@ -106,9 +106,10 @@ def constraint_names(point: EvaluationPoint, kind: Structure) -> tuple[str, ...]
 
 def object_block(structure: Structure, item: ObjectStructure) -> ObjectBlock:
     """The block of an object of a structure."""
-    tilt, offset, yaw = structure.freedom
+    tilt, offset, yaw, by_joints = structure.freedom
+    alone = limited_object_kind(structure, item)
     kind = replace(
-        limited_object_kind(structure, item), tilt_free=tilt, offset_free=offset, yaw_free=yaw, slowed=structure.slowed
+        alone, tilt_free=tilt, offset_free=offset, yaw_free=yaw, by_joints=by_joints, slowed=structure.slowed
     )
     return _object_block(kind)
 

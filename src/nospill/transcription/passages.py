@@ -46,6 +46,8 @@ def passages(scene: Scene, joint_path: JointPath, motion: Stages) -> tuple[Passa
         joint_path: joints along the path of a level tray.
         motion: a starting motion along it.
     """
+    if scene.path.joint_curve is not None:  # it is followed whatever the arm passes
+        return (Passage(along=joint_path),)
     values = stage_determinants(scene, motion)
     if motion.self_motion is not None or keeps_branch(values):  # a seventh joint passes by itself
         return NOT_BOUNDED, Passage(determinant=clearance(values))

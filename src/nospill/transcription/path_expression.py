@@ -13,6 +13,7 @@ import numpy as np
 
 from nospill.core.frames import SX
 from nospill.laws.parameters import Structure
+from nospill.paths.joint_curves import POSE
 
 _USUAL_DEGREE = 5
 """Of arcs and paths through points; lower ones get coefficients of zero, higher ones have expressions of their own."""
@@ -24,26 +25,41 @@ class PathPiece:
 
     Attributes:
         origin: s at its start.
-        coefficients: (4, degree + 1) of x, y, z in m and the yaw in rad, highest power of (s - origin) first.
+        coefficients: (c, degree + 1) of what the path says, `Path.prescribed`, highest power of (s - origin) first.
     """
 
     origin: SX
     coefficients: SX
 
     @classmethod
-    def of(cls, column: SX) -> PathPiece:
-        """The piece that a column of `path_table` is."""
-        return cls(column[0], ca.reshape(column[1:], -1, 4).T)
+    def of(cls, column: SX, columns: int = 4) -> PathPiece:
+        """The piece that a column of `path_table` is, of so many columns of the path."""
+        return cls(column[0], ca.reshape(column[1:], -1, columns).T)
 
     def at(self, s: SX) -> tuple[SX, SX, SX]:
-        """r(s), r'(s), r''(s) of x, y, z, yaw, each (4, 1)."""
-        local = s - self.origin
-        value, first, second = self.coefficients[:, 0], SX.zeros(4), SX.zeros(4)
+        """r(s), r'(s), r''(s) of what the path says, each (c, 1)."""
+        local, none = s - self.origin, SX.zeros(self.coefficients.shape[0])
+        value, first, second = self.coefficients[:, 0], none, none
         for power in range(1, self.coefficients.shape[1]):
             second = second * local + first
             first = first * local + value
             value = value * local + self.coefficients[:, power]
         return value, first, 2 * second
+
+    def third(self, s: SX) -> SX:
+        """r'''(s), (c, 1)."""
+        symbol = SX.sym("s")
+        return ca.substitute(ca.jacobian(self.at(symbol)[2], symbol), symbol, s)
+
+    @property
+    def of_tray(self) -> PathPiece:
+        """Of a path of the joints: the tray's pose."""
+        return PathPiece(self.origin, self.coefficients[:POSE, :])
+
+    @property
+    def of_joints(self) -> PathPiece:
+        """Of a path of the joints: the joints."""
+        return PathPiece(self.origin, self.coefficients[POSE:, :])
 
 
 def piece_degree(structure: Structure) -> int:
@@ -51,17 +67,17 @@ def piece_degree(structure: Structure) -> int:
     return max(structure.degree, _USUAL_DEGREE)
 
 
-def piece_size(degree: int) -> int:
+def piece_size(degree: int, columns: int = 4) -> int:
     """Numbers of a piece."""
-    return 1 + 4 * (degree + 1)
+    return 1 + columns * (degree + 1)
 
 
 def path_table(breaks: np.ndarray, coefficients: np.ndarray, *, degree: int, filling: float = 0.0) -> np.ndarray:
-    """The spans of a path as columns, (piece_size, m): s at the start, then the coefficients of x, y, z, yaw.
+    """The spans of a path as columns, (piece_size, m): s at the start, then the coefficients column by column.
 
     Args:
         breaks: (m + 1,).
-        coefficients: (k + 1, m, 4), highest power first, k at most `degree`.
+        coefficients: (k + 1, m, c), highest power first, k at most `degree`.
         degree: of the pieces.
         filling: what stands for the powers that the path does not have.
     """

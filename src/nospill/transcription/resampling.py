@@ -9,6 +9,7 @@ from nospill.transcription.layout import Layout
 from nospill.transcription.stages import Stages, sample_stages
 
 _FINE_SWING = 0.7
+_NODES_IN_A_SPAN, _MOST_FOR_CORNERS = 0.75, 250
 _FLAT_SWING = 1.0
 """rad; the phase of a mode is then right to 0.02 rad after 70."""
 
@@ -48,4 +49,15 @@ def resolving_intervals(scene: Scene, duration: float, swing: float) -> int:
 
 def fine_intervals(scene: Scene, duration: float) -> int:
     """Number of intervals of the fine grid for a motion of this duration, s."""
-    return max(scene.planning.intervals, resolving_intervals(scene, duration, _FINE_SWING))
+    return max(scene.planning.intervals, resolving_intervals(scene, duration, _FINE_SWING), _corner_intervals(scene))
+
+
+def _corner_intervals(scene: Scene) -> int:
+    """Intervals with which an even motion has nodes in the sharpest corner of a path of the joints; 0 of other paths.
+
+    A corner takes six spans at least; one between two nodes would be passed as if it were not there.
+    """
+    curve = scene.path.joint_curve
+    if curve is None:
+        return 0
+    return min(_MOST_FOR_CORNERS, int(np.ceil(_NODES_IN_A_SPAN / float(np.diff(curve.pieces.breaks).min()))))

@@ -139,7 +139,7 @@ def _symbols(structure: Structure, layout: Layout) -> _Symbols:
     template = ProblemNumbers.blank(structure)
     of_problem = SX.sym("own", len(flatten(template)))
     scales, fractions, count = SX.sym("scales", layout.size), SX.sym("backoff", len(keys)), SX.sym("count")
-    pieces = SX.sym("pieces", piece_size(structure.degree) * len(INSTANTS))
+    pieces = SX.sym("pieces", piece_size(structure.degree, structure.path_columns) * len(INSTANTS))
     backoff = {key: fractions[index] for index, key in enumerate(keys)}
     parameters = ca.vertcat(flat, of_problem, scales, fractions, count)
     own = symbolic(template, of_problem)
@@ -152,7 +152,9 @@ def _build(structure: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     z, numbers, stage = given.z, given.numbers, given.z * given.scales
     chains = tuple(layout.chain(stage, index) for index in range(layout.chains))
     jerks, interval = stage[layout.jerks], stage[layout.interval]
-    pieces = tuple(PathPiece.of(column) for column in ca.vertsplit(given.pieces, piece_size(structure.degree)))
+    columns = structure.path_columns
+    split = ca.vertsplit(given.pieces, piece_size(structure.degree, columns))
+    pieces = tuple(PathPiece.of(column, columns) for column in split)
     tray = tray_motions(
         chains,
         jerks,

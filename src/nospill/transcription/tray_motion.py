@@ -15,6 +15,7 @@ import casadi as ca
 
 from nospill.core.frames import SX, VERTICAL, FrameMotion, body_motion
 from nospill.laws.parameters import Freedom
+from nospill.paths.joint_curves import POSE
 from nospill.transcription.collocation import POINTS, advance_chain
 from nospill.transcription.layout import IntegratorChain, Layout
 from nospill.transcription.lifted_variables import LiftedVariables
@@ -100,7 +101,7 @@ def tray_motions(
     for state in states:
         motion, places = state.motion, list[int | None]()
         parts = [motion.angular_velocity, motion.angular_acceleration, motion.specific_force]
-        if slowed and freedom.tilt:
+        if slowed and freedom.leans:
             parts.append(state.rotation[2, :].T)
         for entry in ca.vertsplit(ca.densify(ca.vertcat(*parts))):
             places.append(None if entry.is_zero() else len(numbers))
@@ -116,7 +117,8 @@ def motion_pattern(freedom: Freedom, *, slowed: bool) -> MotionPattern:
     layout = Layout(freedom, redundant=0, coordinates=0, joints=0, orders=1)
     z, lifted = SX.sym("z", layout.size), LiftedVariables()
     chains = tuple(layout.chain(z, index) for index in range(layout.chains))
-    pieces = tuple(PathPiece.of(SX.sym("piece", piece_size(3))) for _ in INSTANTS)
+    columns = POSE if freedom.by_joints else 4
+    pieces = tuple(PathPiece.of(SX.sym("piece", piece_size(3, columns)), columns) for _ in INSTANTS)
     found = tray_motions(
         chains,
         z[layout.jerks],
@@ -135,7 +137,7 @@ def motion_pattern(freedom: Freedom, *, slowed: bool) -> MotionPattern:
         pairs = [(row, column) for row in own for column in own if row >= column]
         rows, columns = [*rows, *(row for row, _ in pairs)], [*columns, *(column for _, column in pairs)]
     share = ca.Sparsity.triplet(count + 1, count + 1, columns, rows)  # their transpose: the upper triangle
-    up = None if freedom.tilt else VERTICAL
+    up = None if freedom.leans else VERTICAL
     return MotionPattern(found.entries, layout.interval, jacobian, share, up)
 
 

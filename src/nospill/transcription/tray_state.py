@@ -52,6 +52,8 @@ class TrayState:
 
 def tray_state(piece: PathPiece, chains: tuple[IntegratorChain, ...], *, freedom: Freedom, gravity: SX) -> TrayState:
     """The tray frame's pose and motion from s and what is free, in the order of `Layout`; the path's `piece` at s."""
+    if freedom.by_joints:
+        return _carried(piece.of_tray, chains[0], gravity)
     s, speed, acceleration = chains[0]
     value, first, second = piece.at(s)
     rate, change = first * speed, second * speed**2 + first * acceleration
@@ -67,3 +69,22 @@ def tray_state(piece: PathPiece, chains: tuple[IntegratorChain, ...], *, freedom
     omega, alpha = tray_rates((value[3], rate[3], change[3]), theta_y, theta_x)
     motion = tray_motion(rotation, change[:3], omega, alpha, gravity)
     return TrayState(value[:3], rate[:3], rotation, motion)
+
+
+def _carried(piece: PathPiece, chain: IntegratorChain, gravity: SX) -> TrayState:
+    """The tray that the joints carry, from polynomials of its position r and rotation R.
+
+    With w = vee(R^T R') the angular velocity by s in tray axes, omega = w s' and alpha = w s'' + w' s'^2.
+    """
+    s, speed, acceleration = chain
+    value, first, second = piece.at(s)
+    change = second[:3] * speed**2 + first[:3] * acceleration
+    rotation, slope, bend = (ca.reshape(part[3:], 3, 3).T for part in (value, first, second))
+    turning, rate = [], []
+    for i, j in ((2, 1), (0, 2), (1, 0)):
+        turning.append(ca.dot(rotation[:, i], slope[:, j]))
+        rate.append(ca.dot(rotation[:, i], bend[:, j]) + ca.dot(slope[:, i], slope[:, j]))
+    w, w_slope = ca.vertcat(*turning), ca.vertcat(*rate)
+    omega, alpha = w * speed, w * acceleration + w_slope * speed**2
+    motion = tray_motion(rotation, change, omega, alpha, gravity)
+    return TrayState(value[:3], first[:3] * speed, rotation, motion)

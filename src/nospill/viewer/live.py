@@ -42,7 +42,7 @@ class Shown:
 
 def short_titles(films: Sequence[Film]) -> list[str]:
     """Titles of charts: "level" and "tilting" where that tells plans apart, else the scenarios' names."""
-    kinds = ["tilting" if film.plan.scene.motion.tilt_free else "level" for film in films]
+    kinds = ["level" if film.plan.scene.stays_level else "tilting" for film in films]
     if len(set(kinds)) == len(kinds):
         return kinds
     names = [film.plan.scene.name for film in films]

@@ -26,7 +26,7 @@ _MOST_NAMED = 4
 def title_of(film: Film) -> str:
     """A plan in a few words: how the tray may move, how long it takes, the verdict on the motion that is shown."""
     scene = film.plan.scene
-    kind = "tilting" if scene.motion.tilt_free else "level"
+    kind = "level" if scene.stays_level else "tilting"
     verdict = film.judgement.certificate.word
     return f"{scene.name} ({kind}): {film.end_time:.3f} s, {verdict}"
 

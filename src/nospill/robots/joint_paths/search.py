@@ -22,6 +22,7 @@ from nospill.core.batches import evaluate
 from nospill.core.hermite import cubic_hermite
 from nospill.core.piecewise import Pieces
 from nospill.errors import ScenarioError
+from nospill.paths.joint_curves import JointCurve
 from nospill.paths.path import Path
 from nospill.robots.joint_paths.following import Followed, follow, tray_poses, tray_rates
 from nospill.robots.joint_paths.no_joint_path import arrives_elsewhere, explain
@@ -40,6 +41,8 @@ NEARLY_AS_FAST = 1.5
 """A branch may have this many times the best speed figure and still be taken because the arm is near to it."""
 
 
+_IN_A_SPAN = 4
+"""Samples in a span of a path of the joints."""
 _SAME_JOINTS = 1e-6
 """rad; joints that are nearer to stated ones are those."""
 
@@ -129,6 +132,8 @@ def try_joint_paths(
     samples: int = 101,
 ) -> TriedPaths:
     """`joint_paths` for whoever tries many: the reason why there is none is found out only on demand."""
+    if path.joint_curve is not None:
+        return TriedPaths([prescribed_path(robot, path.joint_curve)], 1.0, _follows)
     s = np.linspace(0.0, 1.0, samples)
     joint = redundant_joint(robot)
     followed: Followed | None = None
@@ -155,6 +160,21 @@ def try_joint_paths(
     if elsewhere:
         why = partial(arrives_elsewhere, robot, path, elsewhere[0].q)
     return TriedPaths(found, float(s[followed.last].max(initial=0.0)), why)
+
+
+def prescribed_path(robot: Robot, curve: JointCurve) -> JointPath:
+    """A path of the joints as the planner follows one; it keeps the ranges of the joints, its reader saw to it."""
+    breaks = curve.pieces.breaks
+    inner = breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(_IN_A_SPAN) / _IN_A_SPAN)
+    s = np.append(inner.ravel(), 1.0)
+    q, dq_ds = curve.joints(s), curve.joints(s, 1)
+    figure = float((np.abs(dq_ds) / robot.max_speed).max())
+    margin = float(np.minimum(q - robot.lower, robot.upper - q).min())
+    return JointPath(branch_in_words(q[0]), s, read_only(q), read_only(dq_ds), figure, margin)
+
+
+def _follows() -> ScenarioError:
+    raise AssertionError("a path of the joints is followed")
 
 
 def _keeps_ends(path: Path, joint_path: JointPath) -> bool:
