@@ -178,7 +178,9 @@ def test_the_joints_of_a_trajectory_go_by_their_names() -> None:
     scene = ns.load(table(moved({0: 0.9}, {5: 0.5})))
     names, q = scene.robot.joints[::-1], np.array(moved({0: 0.4}, {1: 0.1}))[:, ::-1]
     motion = ns.Trajectory.of_joints(np.arange(3.0), names, q)
-    np.testing.assert_allclose(retimed_scene(motion, scene).path.ends[1], q[-1, ::-1])
+    end = retimed_scene(motion, scene).path.ends[1]
+    assert end is not None
+    np.testing.assert_allclose(end, q[-1, ::-1])
     with pytest.raises(ScenarioError, match=r"array \(m, 6\) in rad"):
         retimed_scene(np.zeros((3, 5)), scene)
 
