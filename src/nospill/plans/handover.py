@@ -7,7 +7,7 @@ constraints, the tolerances and the code of every other certificate. Nothing is 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,7 +17,10 @@ from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS, Exporter
 from nospill.judge.certificate import certify
 from nospill.judge.verdict import Certificate
+from nospill.laws.constraints import CONSTRAINTS
+from nospill.laws.constraints.base import EvaluationPoint, Role
 from nospill.motion.control import commanded_at, followed
+from nospill.motion.fewest_points import fewest_points, part_of
 from nospill.motion.holds import held_samples, hold_periods
 from nospill.motion.interpolation import JointMotion, JointSamples
 from nospill.motion.resampling import HIGHEST_RATE, interpolated
@@ -34,6 +37,16 @@ END_TOLERANCE = 1e-6
 EVENNESS = 1e-4
 """Part by which the time between two samples may differ from the mean: nanoseconds are rounded."""
 
+_TOLERANCES = (3e-4, 3.0)
+"""rad/s^2; few points are looked for between these distances of the accelerations from the plan's."""
+_HALVINGS = 7
+"""Of the logarithm of the range: within 7 %, which is a point or two."""
+
+OF_CONTROLS = frozenset(
+    item.name for item in CONSTRAINTS if item.evaluated_at is EvaluationPoint.CONTROL and item.role is Role.TRAY
+)
+"""Jerks of path, tilt and offset: bounds that the planner sets itself. Those of the joints are the arm's."""
+
 _FINENESS = 8
 """Instants per period at which a motion is compared with the plan."""
 
@@ -45,8 +58,9 @@ class Handover:
     Attributes:
         path: the file or folder.
         exporter: its format.
-        rate: samples per second, Hz.
+        rate: samples per second, Hz; in the mean where they are not evenly spaced.
         samples: how many.
+        even: whether they are evenly spaced.
         certificate: of the motion read back.
         joint_deviation: largest difference of a joint from the plan at any time, rad; between samples too.
     """
@@ -55,6 +69,7 @@ class Handover:
     exporter: Exporter
     rate: float
     samples: int
+    even: bool
     certificate: Certificate
     joint_deviation: float
 
@@ -84,39 +99,98 @@ def exporter_named(name: str) -> Exporter:
     return EXPORTERS[name]
 
 
-def in_frame(exporter: Exporter, frame: str | None) -> Exporter:
-    """The exporter of poses in a frame; as it is for None.
+def with_options(exporter: Exporter, options: Mapping[str, object]) -> Exporter:
+    """The format with what is chosen about it.
+
+    Args:
+        exporter: the format.
+        options: by name; None where nothing is chosen.
 
     Raises:
-        ScenarioError: the format holds joints, or there is no such frame.
+        ScenarioError: the format has no such option, or an option no such value.
     """
-    if frame is None:
+    chosen = {name: value for name, value in options.items() if value is not None}
+    if not chosen:
         return exporter
-    if not exporter.framed:
-        raise ScenarioError(f"{exporter.name}: holds joints, which need no frame; leave --frame out")
-    if frame not in exporter.framed:
-        raise ScenarioError(f"{exporter.name}: no frame {frame!r}; there are {', '.join(exporter.framed)}")
-    return exporter.framed[frame]
+    for name in chosen:
+        if name not in exporter.options:
+            offered = f"its options are --{', --'.join(exporter.options)}" if exporter.options else "it has no options"
+            raise ScenarioError(f"{exporter.name}: no option --{name}; {offered}")
+    assert exporter.with_options is not None
+    return exporter.with_options(**chosen)
 
 
-def hand_over(plan: Plan, exporter: Exporter, path: Path, *, rate: float | None = None) -> Handover:
+def hand_over(
+    plan: Plan, exporter: Exporter, path: Path, *, rate: float | None = None, points: int | None = None
+) -> Handover:
     """Write a plan's file, read it back and judge what its receiver will play.
 
     Args:
         plan: with a scene and a trajectory.
         exporter: the format.
         path: file to write, at once or not at all.
-        rate: samples per second, Hz; the plan's when left out.
+        rate: samples per second, Hz; the format's usual one or the plan's when left out.
+        points: how many samples there may be at most; then they are the fewest, unevenly spaced, that stay certified,
+            of the plan's own.
 
     Raises:
-        ScenarioError: the format does not take this scene or rate.
+        ScenarioError: the format does not take this scene, rate or uneven samples; or more samples are needed.
         PlanFolderError: the disk refuses, or the file does not hold this plan's motion when it is read.
         ModelError: the liquids cannot be integrated along what was read.
     """
-    rate = plan.scene.output_rate if rate is None else rate
+    if points is not None and rate is not None:
+        raise ScenarioError(f"{exporter.name}: few points are some of the plan's own; leave --rate or --points out")
+    rate = rate_of(plan, exporter, rate)
     require_exportable(plan, exporter, rate)
-    exporter.write(_samples(plan, rate), plan.scene, path)
+    samples = _samples(plan, rate)
+    if points is not None:
+        samples = _fewest(plan, exporter, samples, points)
+    exporter.write(samples, plan.scene, path)
     return judge_file(plan, exporter, path)
+
+
+def rate_of(plan: Plan, exporter: Exporter, rate: float | None) -> float:
+    """The rate asked for, else the one that the format is usually read at, else the plan's, Hz."""
+    usual = plan.scene.output_rate if exporter.usual_rate is None else exporter.usual_rate
+    return usual if rate is None else rate
+
+
+def _fewest(plan: Plan, exporter: Exporter, samples: JointSamples, most: int) -> JointSamples:
+    """The fewest of the samples that stay certified as the receiver plays them.
+
+    The fewer there are, the farther the receiver's accelerations are from those of the plan: the largest distance that
+    is still certified is found by halving its logarithm.
+
+    Raises:
+        ScenarioError: the receiver takes even samples only, or there are more than `most`.
+    """
+    if not exporter.uneven:
+        raise ScenarioError(
+            f"{exporter.name}: is played a row a period, evenly spaced; leave --points out, or take joint-trajectory"
+        )
+    best = None
+    close, far = map(math.log, _TOLERANCES)
+    for _ in range(_HALVINGS):
+        tolerance = (close + far) / 2.0
+        few = part_of(samples, fewest_points(samples, math.exp(tolerance)))
+        if _bears(plan, few, exporter.interpolation.motion(few)):
+            best, close = few, tolerance
+        else:
+            far = tolerance
+    least = samples if best is None else best
+    if len(least.t) > most:
+        raise ScenarioError(
+            f"--points {most}: {len(least.t)} points are the fewest that stay certified; "
+            f"--points {len(least.t)} would do, or a slower plan (nospill slow)"
+        )
+    return least
+
+
+def _bears(plan: Plan, samples: JointSamples, motion: JointMotion) -> bool:
+    try:
+        return certified(plan, samples, motion).ok
+    except NospillError:  # a liquid that leaves its cup
+        return False
 
 
 def judge_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
@@ -135,6 +209,7 @@ def judge_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
         exporter=exporter,
         rate=samples.rate,
         samples=len(samples.t),
+        even=_even(samples),
         certificate=certified(plan, samples, motion),
         joint_deviation=Handover.largest_deviation(plan.trajectory, samples, _done(plan, samples, motion), lead),
     )
@@ -154,27 +229,30 @@ def _done(plan: Plan, samples: JointSamples, motion: JointMotion) -> JointMotion
 
 
 def read_samples(exporter: Exporter, path: Path, scene: Scene) -> JointSamples:
-    """The samples of a file, evenly spaced and not too dense to be judged.
+    """The samples of a file, not too dense to be judged, and evenly spaced where the receiver wants that.
 
     Raises:
         PlanFolderError: they are not, or the file cannot be read.
     """
     samples = exporter.read(path, scene)
-    _require_even(samples, path)
+    _require_judgeable(samples, path, exporter.uneven)
     return samples
 
 
 def _lead(plan: Plan, samples: JointSamples) -> float:
-    """Time in a file at which the plan's motion begins, s."""
-    return hold_periods(plan.scene.motion, round(samples.rate, 3))[0] / samples.rate
+    """Time in a file at which the plan's motion begins, s; points that are not evenly spaced are among the plan's."""
+    rate = round(samples.rate, 3) if _even(samples) else plan.trajectory.rate
+    return hold_periods(plan.scene.motion, rate)[0] / rate
 
 
 def certified(plan: Plan, samples: JointSamples, motion: JointMotion) -> Certificate:
     """The certificate of a receiver's motion: constraints along it, its tray against the plan's path and record.
 
     The record is at the file's own rate, since that is what the receiver's differences are of; below the plan's rate,
-    at the least multiple of it that is not lower. Between the plan's samples its path and pose are splines. Speeds and
-    accelerations of the record become the receiver's own; where they exceed limits, the constraints say so.
+    at the least multiple of it that is not lower; at the plan's own for samples that are not evenly spaced. Between
+    the plan's samples its path and pose are splines. Speeds and accelerations of the record become the receiver's own;
+    where they exceed limits, the constraints say so. Bounds of the plan's own controls, which no receiver knows, are
+    not among the rows.
 
     Args:
         plan: the plan.
@@ -182,8 +260,10 @@ def certified(plan: Plan, samples: JointSamples, motion: JointMotion) -> Certifi
         motion: what the receiver makes of them.
     """
     planned, lead = plan.trajectory, _lead(plan, samples)
-    every = math.ceil(planned.rate / samples.rate * (1.0 - EVENNESS))
-    count = (len(samples.t) - 1) * every + 1
+    if _even(samples):
+        count = (len(samples.t) - 1) * math.ceil(planned.rate / samples.rate * (1.0 - EVENNESS)) + 1
+    else:
+        count = math.ceil(samples.t[-1] * planned.rate * (1.0 - EVENNESS)) + 1
     times = np.linspace(samples.t[0], samples.t[-1], count)
     t = times - lead + planned.t[0]
 
@@ -199,7 +279,13 @@ def certified(plan: Plan, samples: JointSamples, motion: JointMotion) -> Certifi
     )
     # the holds are in the file, and its samples come at its own rate
     rules = replace(plan.scene.motion, hold_before=0.0, hold_after=0.0)
-    return certify(record, replace(plan.scene, motion=rules, output_rate=record.rate), motion=played)
+    found = certify(record, replace(plan.scene, motion=rules, output_rate=record.rate), motion=played)
+    rows = tuple(row for row in found.rows if row.constraint not in OF_CONTROLS)
+    return replace(found, rows=rows, ok=all(row.ok for row in rows) and not found.unjudged)
+
+
+def _even(samples: JointSamples) -> bool:
+    return bool(np.max(np.abs(np.diff(samples.t) * samples.rate - 1.0)) <= EVENNESS)
 
 
 def rate_that_would_do(plan: Plan, exporter: Exporter, rates: Sequence[float] = USUAL_RATES) -> float | None:
@@ -227,10 +313,19 @@ def require_exportable(plan: Plan, exporter: Exporter, rate: float) -> None:
         raise ScenarioError(f"{exporter.name}: {reason}")
 
 
-def _require_even(samples: JointSamples, path: Path) -> None:
+def _require_judgeable(samples: JointSamples, path: Path, uneven: bool) -> None:
     """What lies closer together than the judge looks could hide anything."""
     if samples.rate > HIGHEST_RATE * (1.0 + EVENNESS):
         raise PlanFolderError(f"{path}: {samples.rate:g} samples per second; at most {HIGHEST_RATE:g} can be judged")
+    if uneven:
+        closest = int(np.argmin(np.diff(samples.t)))
+        apart = samples.t[closest + 1] - samples.t[closest]
+        if apart * HIGHEST_RATE < 1.0 - EVENNESS:
+            raise PlanFolderError(
+                f"{path}: samples {closest + 1} and {closest + 2} are {1e3 * apart:.4g} ms apart; at least "
+                f"{1e3 / HIGHEST_RATE:g} ms can be judged"
+            )
+        return
     uneven = np.abs(np.diff(samples.t) * samples.rate - 1.0)
     row = int(np.argmax(uneven))
     if uneven[row] > EVENNESS:
@@ -242,8 +337,9 @@ def _require_even(samples: JointSamples, path: Path) -> None:
 
 def _require_same_end(plan: Plan, samples: JointSamples, path: Path) -> None:
     planned = plan.trajectory
-    period = 1.0 / samples.rate
-    held = period * sum(hold_periods(plan.scene.motion, round(samples.rate, 3)))
+    rate = samples.rate if _even(samples) else planned.rate
+    period = 1.0 / rate
+    held = period * sum(hold_periods(plan.scene.motion, round(rate, 3)))
     controller = plan.scene.controller
     longer = controller.spread if controller is not None and controller.compensate else 0.0
     length = float(planned.t[-1] - planned.t[0]) + held + longer
