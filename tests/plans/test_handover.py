@@ -16,7 +16,6 @@ from nospill.judge.certificate import certify
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
 from nospill.motion.resampling import resampled
 from nospill.plans.handover import (
-    OF_CONTROLS,
     certified,
     exporter_named,
     hand_over,
@@ -24,6 +23,7 @@ from nospill.plans.handover import (
     rate_that_would_do,
 )
 from nospill.plans.plan import Plan
+from nospill.plans.played import OF_CONTROLS
 from nospill.robots.description.catalog import load_robot
 from tests.builders import plan_for
 

@@ -6,26 +6,21 @@ constraints, the tolerances and the code of every other certificate. Nothing is 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS, Exporter
-from nospill.judge.certificate import certify
 from nospill.judge.verdict import Certificate
-from nospill.laws.constraints import CONSTRAINTS
-from nospill.laws.constraints.base import EvaluationPoint, Role
-from nospill.motion.control import commanded_at, followed
-from nospill.motion.fewest_points import fewest_points, part_of
-from nospill.motion.holds import held_samples, hold_periods
+from nospill.motion.holds import hold_periods
 from nospill.motion.interpolation import JointMotion, JointSamples
-from nospill.motion.resampling import HIGHEST_RATE, interpolated
+from nospill.motion.resampling import HIGHEST_RATE
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
+from nospill.plans.played import EVENNESS, certified, done_by, evenly_spaced, fewest_certified, lead_of, planned_samples
 from nospill.scene.scene import Scene
 
 USUAL_RATES = (50.0, 100.0, 125.0, 200.0, 250.0, 500.0, 1000.0)
@@ -33,19 +28,6 @@ USUAL_RATES = (50.0, 100.0, 125.0, 200.0, 250.0, 500.0, 1000.0)
 
 END_TOLERANCE = 1e-6
 """rad; a file ends where the plan ends."""
-
-EVENNESS = 1e-4
-"""Part by which the time between two samples may differ from the mean: nanoseconds are rounded."""
-
-_TOLERANCES = (3e-4, 3.0)
-"""rad/s^2; few points are looked for between these distances of the accelerations from the plan's."""
-_HALVINGS = 7
-"""Of the logarithm of the range: within 7 %, which is a point or two."""
-
-OF_CONTROLS = frozenset(
-    item.name for item in CONSTRAINTS if item.evaluated_at is EvaluationPoint.CONTROL and item.role is Role.TRAY
-)
-"""Jerks of path, tilt and offset: bounds that the planner sets itself. Those of the joints are the arm's."""
 
 _FINENESS = 8
 """Instants per period at which a motion is compared with the plan."""
@@ -142,9 +124,9 @@ def hand_over(
         raise ScenarioError(f"{exporter.name}: few points are some of the plan's own; leave --rate or --points out")
     rate = rate_of(plan, exporter, rate)
     require_exportable(plan, exporter, rate)
-    samples = _samples(plan, rate)
+    samples = planned_samples(plan, rate)
     if points is not None:
-        samples = _fewest(plan, exporter, samples, points)
+        samples = fewest_certified(plan, exporter, samples, points)
     exporter.write(samples, plan.scene, path)
     return judge_file(plan, exporter, path)
 
@@ -153,44 +135,6 @@ def rate_of(plan: Plan, exporter: Exporter, rate: float | None) -> float:
     """The rate asked for, else the one that the format is usually read at, else the plan's, Hz."""
     usual = plan.scene.output_rate if exporter.usual_rate is None else exporter.usual_rate
     return usual if rate is None else rate
-
-
-def _fewest(plan: Plan, exporter: Exporter, samples: JointSamples, most: int) -> JointSamples:
-    """The fewest of the samples that stay certified as the receiver plays them.
-
-    The fewer there are, the farther the receiver's accelerations are from those of the plan: the largest distance that
-    is still certified is found by halving its logarithm.
-
-    Raises:
-        ScenarioError: the receiver takes even samples only, or there are more than `most`.
-    """
-    if not exporter.uneven:
-        raise ScenarioError(
-            f"{exporter.name}: is played a row a period, evenly spaced; leave --points out, or take joint-trajectory"
-        )
-    best = None
-    close, far = map(math.log, _TOLERANCES)
-    for _ in range(_HALVINGS):
-        tolerance = (close + far) / 2.0
-        few = part_of(samples, fewest_points(samples, math.exp(tolerance)))
-        if _bears(plan, few, exporter.interpolation.motion(few)):
-            best, close = few, tolerance
-        else:
-            far = tolerance
-    least = samples if best is None else best
-    if len(least.t) > most:
-        raise ScenarioError(
-            f"--points {most}: {len(least.t)} points are the fewest that stay certified; "
-            f"--points {len(least.t)} would do, or a slower plan (nospill slow)"
-        )
-    return least
-
-
-def _bears(plan: Plan, samples: JointSamples, motion: JointMotion) -> bool:
-    try:
-        return certified(plan, samples, motion).ok
-    except NospillError:  # a liquid that leaves its cup
-        return False
 
 
 def judge_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
@@ -203,29 +147,16 @@ def judge_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
     """
     samples = read_samples(exporter, path, plan.scene)
     _require_same_end(plan, samples, path)
-    motion, lead = exporter.interpolation.motion(samples), _lead(plan, samples)
+    motion, lead = exporter.interpolation.motion(samples), lead_of(plan, samples)
     return Handover(
         path=path,
         exporter=exporter,
         rate=samples.rate,
         samples=len(samples.t),
-        even=_even(samples),
+        even=evenly_spaced(samples),
         certificate=certified(plan, samples, motion),
-        joint_deviation=Handover.largest_deviation(plan.trajectory, samples, _done(plan, samples, motion), lead),
+        joint_deviation=Handover.largest_deviation(plan.trajectory, samples, done_by(plan, samples, motion), lead),
     )
-
-
-def _samples(plan: Plan, rate: float) -> JointSamples:
-    """What a file holds: the command, with its holds."""
-    return held_samples(commanded_at(plan.trajectory, plan.scene.controller, rate), plan.scene.motion)
-
-
-def _done(plan: Plan, samples: JointSamples, motion: JointMotion) -> JointMotion:
-    """What a record of the file is about: what the joints do where the command compensates, else the command itself."""
-    controller = plan.scene.controller
-    if controller is None or not controller.compensate:
-        return motion
-    return followed(motion, controller, float(samples.t[0]), float(samples.t[-1]))
 
 
 def read_samples(exporter: Exporter, path: Path, scene: Scene) -> JointSamples:
@@ -239,62 +170,13 @@ def read_samples(exporter: Exporter, path: Path, scene: Scene) -> JointSamples:
     return samples
 
 
-def _lead(plan: Plan, samples: JointSamples) -> float:
-    """Time in a file at which the plan's motion begins, s; points that are not evenly spaced are among the plan's."""
-    rate = round(samples.rate, 3) if _even(samples) else plan.trajectory.rate
-    return hold_periods(plan.scene.motion, rate)[0] / rate
-
-
-def certified(plan: Plan, samples: JointSamples, motion: JointMotion) -> Certificate:
-    """The certificate of a receiver's motion: constraints along it, its tray against the plan's path and record.
-
-    The record is at the file's own rate, since that is what the receiver's differences are of; below the plan's rate,
-    at the least multiple of it that is not lower; at the plan's own for samples that are not evenly spaced. Between
-    the plan's samples its path and pose are splines. Speeds and accelerations of the record become the receiver's own;
-    where they exceed limits, the constraints say so. Bounds of the plan's own controls, which no receiver knows, are
-    not among the rows.
-
-    Args:
-        plan: the plan.
-        samples: of the file, with its holds.
-        motion: what the receiver makes of them.
-    """
-    planned, lead = plan.trajectory, _lead(plan, samples)
-    if _even(samples):
-        count = (len(samples.t) - 1) * math.ceil(planned.rate / samples.rate * (1.0 - EVENNESS)) + 1
-    else:
-        count = math.ceil(samples.t[-1] * planned.rate * (1.0 - EVENNESS)) + 1
-    times = np.linspace(samples.t[0], samples.t[-1], count)
-    t = times - lead + planned.t[0]
-
-    def played(t: np.ndarray, order: int = 0, /) -> np.ndarray:
-        return motion(t - planned.t[0] + lead, order)
-
-    done = _done(plan, samples, motion)
-    record = replace(
-        interpolated(planned, t),
-        joint_position=done(times),
-        joint_speed=done(times, 1),
-        joint_acceleration=done(times, 2),
-    )
-    # the holds are in the file, and its samples come at its own rate
-    rules = replace(plan.scene.motion, hold_before=0.0, hold_after=0.0)
-    found = certify(record, replace(plan.scene, motion=rules, output_rate=record.rate), motion=played)
-    rows = tuple(row for row in found.rows if row.constraint not in OF_CONTROLS)
-    return replace(found, rows=rows, ok=all(row.ok for row in rows) and not found.unjudged)
-
-
-def _even(samples: JointSamples) -> bool:
-    return bool(np.max(np.abs(np.diff(samples.t) * samples.rate - 1.0)) <= EVENNESS)
-
-
 def rate_that_would_do(plan: Plan, exporter: Exporter, rates: Sequence[float] = USUAL_RATES) -> float | None:
     """The lowest of some rates, Hz, at which the format's receiver keeps the certificate; None if none does."""
     for rate in rates:
         if exporter.reason_against(plan.scene, rate) is not None:
             continue
         try:
-            samples = _samples(plan, rate)
+            samples = planned_samples(plan, rate)
             if certified(plan, samples, exporter.interpolation.motion(samples)).ok:
                 return rate
         except NospillError:  # a liquid that leaves its cup: not at this rate
@@ -337,7 +219,7 @@ def _require_judgeable(samples: JointSamples, path: Path, uneven: bool) -> None:
 
 def _require_same_end(plan: Plan, samples: JointSamples, path: Path) -> None:
     planned = plan.trajectory
-    rate = samples.rate if _even(samples) else planned.rate
+    rate = samples.rate if evenly_spaced(samples) else planned.rate
     period = 1.0 / rate
     held = period * sum(hold_periods(plan.scene.motion, round(rate, 3)))
     controller = plan.scene.controller
