@@ -17,8 +17,8 @@ BETWEEN = 2
 
 def part_of(samples: JointSamples, rows: np.ndarray) -> JointSamples:
     """Some of the samples, rows (k,) in ascending order."""
-    columns = (samples.position, samples.speed, samples.acceleration)
-    return JointSamples(samples.t[rows], *(None if column is None else column[rows] for column in columns))
+    derivatives = (None if column is None else column[rows] for column in (samples.speed, samples.acceleration))
+    return JointSamples(samples.t[rows], samples.position[rows], *derivatives)
 
 
 def fewest_points(samples: JointSamples, tolerance: float) -> np.ndarray:

@@ -166,7 +166,7 @@ def read_samples(exporter: Exporter, path: Path, scene: Scene) -> JointSamples:
         PlanFolderError: they are not, or the file cannot be read.
     """
     samples = exporter.read(path, scene)
-    _require_judgeable(samples, path, exporter.uneven)
+    _require_judgeable(samples, path, may_be_uneven=exporter.uneven)
     return samples
 
 
@@ -195,11 +195,11 @@ def require_exportable(plan: Plan, exporter: Exporter, rate: float) -> None:
         raise ScenarioError(f"{exporter.name}: {reason}")
 
 
-def _require_judgeable(samples: JointSamples, path: Path, uneven: bool) -> None:
+def _require_judgeable(samples: JointSamples, path: Path, *, may_be_uneven: bool) -> None:
     """What lies closer together than the judge looks could hide anything."""
     if samples.rate > HIGHEST_RATE * (1.0 + EVENNESS):
         raise PlanFolderError(f"{path}: {samples.rate:g} samples per second; at most {HIGHEST_RATE:g} can be judged")
-    if uneven:
+    if may_be_uneven:
         closest = int(np.argmin(np.diff(samples.t)))
         apart = samples.t[closest + 1] - samples.t[closest]
         if apart * HIGHEST_RATE < 1.0 - EVENNESS:
