@@ -28,7 +28,7 @@ from nospill.motion.interpolation import INTERPOLATIONS, JointSamples
 from nospill.motion.resampling import resampled
 
 FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
-RECORDING = ("joint-trajectory", "rosbag2", "mat")
+RECORDING = ("csv", "joint-trajectory", "action-goal", "rosbag2", "mat")
 """Formats that keep every column to the last bit, for any number of joints."""
 SPELLINGS = [(exporter.name, suffix) for exporter in EXPORTERS.values() for suffix in exporter.suffixes]
 PRECISION = {"lab-csv": 0.51e-12, "urscript": 0.51e-12, "tray-csv": 1e-10}
@@ -36,7 +36,8 @@ PRECISION = {"lab-csv": 0.51e-12, "urscript": 0.51e-12, "tray-csv": 1e-10}
 
 def arm(joints: int) -> Any:
     names = tuple(f"axis_{index}" for index in range(joints))
-    return SimpleNamespace(name="task", output_rate=500.0, robot=SimpleNamespace(name="arm", joints=names))
+    robot = SimpleNamespace(name="arm", joints=names)
+    return SimpleNamespace(name="task", output_rate=500.0, controller=None, robot=robot)
 
 
 @pytest.fixture(scope="module")
@@ -284,8 +285,8 @@ def test_branch_of_the_start_is_the_one_that_is_read(planned, written):
         ("joint-trajectory", ".yaml", '"accelerations"', '"efforts"', "point 1, accelerations: None"),
         ("joint-trajectory", ".yaml", '"nanosec": 2000000', '"nanosec": 0', r"time does not increase after sample 1"),
         ("joint-trajectory", ".yaml", '"nanosec": 2000000', '"nanosec": 2e6', "whole sec and nanosec"),
-        ("joint-trajectory", ".yaml", "points:", "points: 5", r"line 6: .* is not a line of a trajectory"),
-        ("joint-trajectory", ".yaml", "- {", "- {{", r"line 6: .* is not a line of a trajectory"),
+        ("joint-trajectory", ".yaml", "points:", "points: 5", r"line 7: .* is not a line of a trajectory"),
+        ("joint-trajectory", ".yaml", "- {", "- {{", r"line 7: .* is not a line of a trajectory"),
         ("joint-trajectory", ".json", '"msg"', '"message"', "joint_names or points are missing"),
         ("joint-trajectory", ".json", "[0.0, ", "[NaN, ", "is not a row of 6 finite numbers"),
         ("joint-trajectory", ".json", "[0.0, ", f"[1{400 * '0'}, ", "is not a row of 6 finite numbers"),

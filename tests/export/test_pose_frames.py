@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS
 from nospill.motion.interpolation import JointSamples
-from nospill.plans.handover import in_frame
+from nospill.plans.handover import with_options
 from nospill.robots.description.catalog import ROBOTS, load_robot
 from nospill.scenario import load, read_scenario
 from nospill.scene.scene import Scene
@@ -34,7 +34,7 @@ def short_motion(scene: Scene) -> JointSamples:
 
 
 def poses(scene: Scene, frame: str, path: Path) -> tuple[np.ndarray, Rotation]:
-    exporter = in_frame(EXPORTERS["tray-csv"], frame)
+    exporter = with_options(EXPORTERS["tray-csv"], {"frame": frame})
     exporter.write(short_motion(scene), scene, path)
     np.testing.assert_allclose(exporter.read(path, scene).position, short_motion(scene).position, atol=1e-9)
     table = np.loadtxt(path, delimiter=";", skiprows=4)
@@ -65,15 +65,15 @@ def test_the_root_is_where_the_scenario_puts_it(tmp_path: Path) -> None:
 
 def test_a_frame_that_is_not_known_is_refused(tmp_path: Path) -> None:
     scene, exporter = scene_on("kuka-kr6-r900"), EXPORTERS["tray-csv"]
-    framed = in_frame(exporter, "base")
+    framed = with_options(exporter, {"frame": "base"})
     told = r"the controller's base frame of robot 'kuka-kr6-r900' is not known; use --frame base_link or world"
     assert framed.reason_against(scene, 500.0) is not None
     with pytest.raises(ScenarioError, match=told):
         framed.write(short_motion(scene), scene, tmp_path / "a.csv")
     with pytest.raises(ScenarioError, match="no frame 'tool'; there are world, base_link, base"):
-        in_frame(exporter, "tool")
-    with pytest.raises(ScenarioError, match="holds joints, which need no frame"):
-        in_frame(EXPORTERS["mat"], "base")
+        with_options(exporter, {"frame": "tool"})
+    with pytest.raises(ScenarioError, match="mat: no option --frame; it has no options"):
+        with_options(EXPORTERS["mat"], {"frame": "base"})
 
 
 def test_a_file_without_a_frame_is_in_the_world_and_a_foreign_one_refused(tmp_path: Path) -> None:

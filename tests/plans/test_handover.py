@@ -15,8 +15,15 @@ from nospill.export.base import Exporter
 from nospill.judge.certificate import certify
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
 from nospill.motion.resampling import resampled
-from nospill.plans.handover import certified, exporter_named, hand_over, judge_file, rate_that_would_do
+from nospill.plans.handover import (
+    certified,
+    exporter_named,
+    hand_over,
+    judge_file,
+    rate_that_would_do,
+)
 from nospill.plans.plan import Plan
+from nospill.plans.played import OF_CONTROLS
 from nospill.robots.description.catalog import load_robot
 from tests.builders import plan_for
 
@@ -55,7 +62,9 @@ def test_every_format_at_every_rate_it_takes_is_certified(gentle_plan, tmp_path,
     assert done.rate == pytest.approx(rate, rel=1e-6)
     assert done.samples == np.ceil(plan.trajectory.t[-1] * rate - 1e-6) + 1
     assert done.joint_deviation < 1e-4 / rate
-    assert {row.constraint for row in done.certificate.rows} == {row.constraint for row in plan.certificate.rows}
+    assert {row.constraint for row in done.certificate.rows} == {
+        row.constraint for row in plan.certificate.rows
+    } - OF_CONTROLS
     assert done.certificate.grid_hz >= 2000.0 * (1 - 1e-9)
 
 
@@ -153,14 +162,62 @@ def test_a_file_that_ends_elsewhere_is_refused(gentle_plan, tmp_path, name):
         judge_file(plan, exporter, path)
 
 
-@pytest.mark.parametrize("name", ["joint-trajectory", "rosbag2", "tray-csv", "mat"])
-def test_samples_must_come_evenly(gentle_plan, tmp_path, name):
+def test_samples_must_come_evenly_to_whom_plays_a_row_a_period(gentle_plan, tmp_path):
     plan = gentle_plan("matrix-rigid", 1)
     t = resampled(plan.trajectory, 500.0).t.copy()
     t[100] += 2e-6
-    exporter, path = rewritten(plan, name, tmp_path, t=t)
+    exporter, path = rewritten(plan, "tray-csv", tmp_path, t=t)
     with pytest.raises(PlanFolderError, match=r"samples 10[01] and 10[12] are .* s apart"):
         judge_file(plan, exporter, path)
+
+
+@pytest.mark.parametrize("name", ["joint-trajectory", "action-goal", "rosbag2", "csv", "mat"])
+def test_uneven_points_may_not_hide_between_instants_of_the_judge(gentle_plan, tmp_path, name):
+    plan = gentle_plan("matrix-rigid", 1)
+    t = resampled(plan.trajectory, 500.0).t.copy()
+    t[100] = t[99] + 5e-4
+    exporter, path = rewritten(plan, name, tmp_path, t=t)
+    with pytest.raises(PlanFolderError, match=r"samples 100 and 101 are 0\.5 ms apart; at least 1 ms can be judged"):
+        judge_file(plan, exporter, path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["joint-trajectory", "csv"])
+def test_the_fewest_points_are_certified_and_one_fewer_is_refused(gentle_plan, tmp_path, name):
+    plan, exporter = gentle_plan("matrix-rigid", 1), EXPORTERS[name]
+    path = file_of(exporter, tmp_path)
+    done = hand_over(plan, exporter, path, points=200)
+    assert done.certificate.ok and not done.even and 5 < done.samples <= 120
+    found = exporter.read(path, plan.scene)
+    assert set(np.round(found.t * 500.0).astype(int)) <= set(range(len(plan.trajectory.t))), "some of the plan's own"
+    assert done.joint_deviation < 5e-4
+    path.unlink()
+    with pytest.raises(ScenarioError, match=rf"--points 5: {done.samples} points are the fewest .* would do"):
+        hand_over(plan, exporter, path, points=5)
+    assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("lab-csv", {"points": 50}, "lab-csv: is played a row a period, evenly spaced; leave --points out"),
+        ("mat", {"points": 50, "rate": 250.0}, "few points are some of the plan's own; leave --rate or --points out"),
+    ],
+)
+def test_points_where_there_are_none(gentle_plan, tmp_path, name, options, message):
+    exporter = EXPORTERS[name]
+    with pytest.raises(ScenarioError, match=message):
+        hand_over(gentle_plan("matrix-rigid", 1), exporter, file_of(exporter, tmp_path), **options)
+    assert not list(tmp_path.iterdir())
+
+
+def test_bounds_of_the_plans_own_controls_are_no_rows_of_a_file(gentle_plan):
+    """A jerk of the tilt angles, or of the path parameter, is nothing that a controller knows."""
+    plan = gentle_plan("matrix-rigid", 1)
+    strict = replace(plan, scene=replace(plan.scene, motion=replace(plan.scene.motion, path_jerk_limit=1e-3)))
+    samples = resampled(plan.trajectory, 500.0)
+    assert not certify(plan.trajectory, strict.scene).ok
+    assert certified(strict, samples, QUINTIC_HERMITE.motion(samples)).ok
 
 
 def test_what_lies_closer_together_than_the_judge_looks_is_refused(gentle_plan, tmp_path):
@@ -172,7 +229,7 @@ def test_what_lies_closer_together_than_the_judge_looks_is_refused(gentle_plan, 
         judge_file(plan, EXPORTERS["mat"], path)
 
 
-@pytest.mark.parametrize("name", ["joint-trajectory", "rosbag2", "mat"])
+@pytest.mark.parametrize("name", ["csv", "joint-trajectory", "action-goal", "rosbag2", "mat"])
 def test_seven_joints_are_handed_over_whole(gentle_plan, samples, tmp_path, name):
     """The motion leads nowhere near the path, which the verdict says; what is played is all seven joints."""
     plan, motion = gentle_plan("matrix-rigid", 1), samples(200, joints=7)
@@ -195,8 +252,8 @@ def test_seven_joints_are_handed_over_whole(gentle_plan, samples, tmp_path, name
 
 
 def test_formats_that_do_not_exist_are_named():
-    with pytest.raises(ScenarioError, match="no format 'csv'; there are lab-csv, joint-trajectory"):
-        exporter_named("csv")
+    with pytest.raises(ScenarioError, match="no format 'dxf'; there are lab-csv, csv, joint-trajectory"):
+        exporter_named("dxf")
 
 
 @FORMATS

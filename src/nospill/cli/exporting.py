@@ -34,6 +34,39 @@ def export(
         str | None,
         typer.Option(metavar="NAME", help="Of poses: world (default), base_link or base.", show_default=False),
     ] = None,
+    profile: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Of csv: who reads it, franka, servoj, rsi-4ms ...", show_default=False),
+    ] = None,
+    form: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Of urscript: socket (default) or script-node.", show_default=False),
+    ] = None,
+    gain: Annotated[
+        float | None, typer.Option(metavar="NUMBER", help="Of servoj: 100 to 2000 (300).", show_default=False)
+    ] = None,
+    lookahead: Annotated[
+        float | None, typer.Option(metavar="S", help="Of servoj: 0.03 to 0.2 s (0.03).", show_default=False)
+    ] = None,
+    prefix: Annotated[
+        str | None, typer.Option(metavar="TEXT", help="Of ROS: before every joint's name.", show_default=False)
+    ] = None,
+    topic: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Of ROS: the controller's topic or action.", show_default=False)
+    ] = None,
+    lead: Annotated[
+        float | None,
+        typer.Option(metavar="S", help="Of ROS: time until the first point, s.", show_default=False),
+    ] = None,
+    points: Annotated[
+        int | None,
+        typer.Option(
+            min=2,
+            metavar="N",
+            help="The fewest points that stay certified, unevenly spaced; at most N.",
+            show_default=False,
+        ),
+    ] = None,
     with_approach: Annotated[
         bool,
         typer.Option(
@@ -51,16 +84,28 @@ def export(
         return 0
     if folder is None or format_name is None:
         raise ScenarioError("nospill export wants a plan folder and --format NAME; nospill export --list shows formats")
-    from nospill.plans.handover import exporter_named, hand_over, in_frame
+    from nospill.export.payload import payload_of
+    from nospill.plans.handover import exporter_named, hand_over, with_options
     from nospill.plans.loading import load_plan
 
-    exporter = in_frame(exporter_named(format_name), frame)
+    options = {
+        "frame": frame,
+        "profile": profile,
+        "form": form,
+        "gain": gain,
+        "lookahead": lookahead,
+        "prefix": prefix,
+        "topic": topic,
+        "lead": lead,
+    }
+    exporter = with_options(exporter_named(format_name), options)
     plan = load_plan(folder)
     target = _target(folder, output, exporter)
     if with_approach and plan.approach is None:
         raise ScenarioError(f"{folder}: this plan has no approach; plan again with a table [approach] in the scenario")
-    done = hand_over(plan, exporter, target, rate=rate)
+    done = hand_over(plan, exporter, target, rate=rate, points=points)
     _report(done)
+    print(payload_of(plan.scene).words())
     caution = exporter.caution(plan.scene, round(done.rate, 3))
     if caution is not None:
         say(f"{done.path}: {caution}.")
@@ -114,7 +159,8 @@ def _report(done: Handover) -> None:
     from nospill.judge.wording import verdict_line
 
     certificate = done.certificate
-    print(f"written to {done.path}: {done.samples} samples at {done.rate:.6g} Hz ({done.exporter.name})")
+    spaced = f"at {done.rate:.6g} Hz" if done.even else "unevenly spaced"
+    print(f"written to {done.path}: {done.samples} samples {spaced} ({done.exporter.name})")
     print(f"played by {done.exporter.receiver}")
     print(f"read back: joints within {done.joint_deviation:.2g} rad of the plan at all times")
     print_verdict(verdict_line(certificate), certificate.ok)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +32,10 @@ class Exporter:
             a file that is missing, not in this format or not for this scene's robot.
         plan_file: name under which every plan folder holds this file as well, or None.
         caution: the sentence about receivers that play a file of this scene at this rate in Hz otherwise, or None.
-        framed: where poses are written, the same format by the frame they are in; empty for joints, which need none.
+        usual_rate: Hz, at which it is written where no rate is asked for; None for the plan's.
+        uneven: whether its receiver takes points that are not evenly spaced.
+        options: names of what can be chosen about the format, as the command line has them.
+        with_options: (those of them that are chosen) -> the format; raises ScenarioError for a value that is none.
     """
 
     name: str
@@ -45,7 +48,10 @@ class Exporter:
     read: Callable[[Path, Scene], JointSamples]
     plan_file: str | None = None
     caution: Callable[[Scene, float], str | None] = lambda scene, rate: None
-    framed: Mapping[str, Exporter] = field(default_factory=dict)
+    usual_rate: float | None = None
+    uneven: bool = False
+    options: tuple[str, ...] = ()
+    with_options: Callable[..., Exporter] | None = None
 
 
 def full_columns(samples: JointSamples) -> tuple[np.ndarray, np.ndarray]:

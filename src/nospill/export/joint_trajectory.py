@@ -16,7 +16,17 @@ import numpy as np
 from nospill.core.files import atomic_text, parsed_json
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.base import Exporter, number, numbers, text_of
-from nospill.export.message import MESSAGE_TYPE, POINT_COLUMNS, RECEIVER, UNITS, message_samples, message_table
+from nospill.export.message import (
+    MESSAGE_TYPE,
+    OPTIONS,
+    POINT_COLUMNS,
+    RECEIVER,
+    TOPIC,
+    UNITS,
+    Addressed,
+    message_samples,
+    message_table,
+)
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
 from nospill.scene.scene import Scene
 
@@ -30,26 +40,36 @@ def _point(point: dict[str, Any]) -> str:
     return "{" + ", ".join(columns) + f', "time_from_start": {json.dumps(stamp)}' + "}"
 
 
-def yaml_text(samples: JointSamples, scene: Scene) -> str:
-    """The message as YAML."""
-    table = message_table(samples, scene)
+def about_lines(kind: str, samples: JointSamples, scene: Scene) -> list[str]:
+    """The comments above a message of this kind."""
     units = ", ".join(f"{name} in {unit}" for name, unit in UNITS.items())
-    return "\n".join(
-        [
-            f"# {MESSAGE_TYPE}, written by nospill for {scene.robot.name}",
-            f"# {units}; {number(round(samples.rate, 3))} samples per second",
-            f"header: {json.dumps(table['header'])}",
-            f"joint_names: {json.dumps(table['joint_names'])}",
-            "points:",
-            *(f"- {_point(point)}" for point in table["points"]),
-            "",
-        ]
-    )
+    return [
+        f"# {kind}, written by nospill for {scene.robot.name}",
+        f"# {units}; {number(round(samples.rate, 3))} samples per second",
+    ]
 
 
-def json_text(samples: JointSamples, scene: Scene) -> str:
+def message_lines(samples: JointSamples, scene: Scene, sent: Addressed) -> list[str]:
+    """The message as lines of YAML."""
+    table = message_table(samples, scene, sent)
+    return [
+        f"header: {json.dumps(table['header'])}",
+        f"joint_names: {json.dumps(table['joint_names'])}",
+        "points:",
+        *(f"- {_point(point)}" for point in table["points"]),
+    ]
+
+
+def yaml_text(samples: JointSamples, scene: Scene, sent: Addressed) -> str:
+    """The message as YAML, with the command that sends it."""
+    sending = f"# ros2 topic pub --once --stdin {sent.topic or TOPIC} {MESSAGE_TYPE} < this file"
+    lines = [*about_lines(MESSAGE_TYPE, samples, scene), sending, *message_lines(samples, scene, sent), ""]
+    return "\n".join(lines)
+
+
+def json_text(samples: JointSamples, scene: Scene, sent: Addressed) -> str:
     """The message as JSON, under "msg"."""
-    table = message_table(samples, scene)
+    table = message_table(samples, scene, sent)
     points = ",\n".join(_point(point) for point in table["points"])
     return (
         f'{{"type": {json.dumps(MESSAGE_TYPE)},\n"robot": {json.dumps(scene.robot.name)},\n'
@@ -58,7 +78,12 @@ def json_text(samples: JointSamples, scene: Scene) -> str:
     )
 
 
-def _yaml_table(text: str, path: Path) -> dict[str, Any]:
+def yaml_table(text: str, path: Path) -> dict[str, Any]:
+    """The keys of a message that was written line by line.
+
+    Raises:
+        PlanFolderError: a line that is none of those.
+    """
     table: dict[str, Any] = {}
     for count, line in enumerate(text.splitlines(), 1):
         content = line.strip()
@@ -85,29 +110,42 @@ def _json_table(text: str, path: Path) -> Any:
     return table.get("msg") if isinstance(table, dict) else None
 
 
-def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
-    atomic_text(path, json_text(samples, scene) if _is_json(path) else yaml_text(samples, scene))
-
-
-def _read(path: Path, scene: Scene) -> JointSamples:
-    read = _json_table if _is_json(path) else _yaml_table
-    return message_samples(read(text_of(path), path), scene, path)
-
-
 def _is_json(path: Path) -> bool:
     if not path.name.endswith(YAML_SUFFIXES + JSON_SUFFIXES):
         raise ScenarioError(f"{path}: a joint trajectory is written as .yaml, .yml or .json; name the file so")
     return path.name.endswith(JSON_SUFFIXES)
 
 
-JOINT_TRAJECTORY = Exporter(
-    name="joint-trajectory",
-    suffixes=YAML_SUFFIXES + JSON_SUFFIXES,
-    title="trajectory_msgs/JointTrajectory as YAML or JSON: positions, velocities, accelerations",
-    receiver=RECEIVER,
-    interpolation=QUINTIC_HERMITE,
-    reason_against=lambda scene, rate: None,
-    write=_write,
-    read=_read,
-)
+def joint_trajectory_exporter(prefix: str = "", topic: str = "", lead: float = 0.0) -> Exporter:
+    """The message as it is sent.
+
+    Raises:
+        ScenarioError: see `message.Addressed`.
+    """
+    sent = Addressed(prefix, lead, topic)
+
+    def write(samples: JointSamples, scene: Scene, path: Path) -> None:
+        text = json_text if _is_json(path) else yaml_text
+        atomic_text(path, text(samples, scene, sent))
+
+    def read(path: Path, scene: Scene) -> JointSamples:
+        table = _json_table if _is_json(path) else yaml_table
+        return message_samples(table(text_of(path), path), scene, path, sent)
+
+    return Exporter(
+        name="joint-trajectory",
+        suffixes=YAML_SUFFIXES + JSON_SUFFIXES,
+        title="trajectory_msgs/JointTrajectory as YAML or JSON: positions, velocities, accelerations",
+        receiver=RECEIVER,
+        interpolation=QUINTIC_HERMITE,
+        reason_against=lambda scene, rate: None,
+        write=write,
+        read=read,
+        uneven=True,
+        options=OPTIONS,
+        with_options=joint_trajectory_exporter,
+    )
+
+
+JOINT_TRAJECTORY = joint_trajectory_exporter()
 """The message of ROS in a text file."""

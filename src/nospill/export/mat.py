@@ -78,5 +78,6 @@ MAT = Exporter(
     reason_against=lambda scene, rate: None,
     write=_write,
     read=_read,
+    uneven=True,
 )
 """A file for MATLAB."""

@@ -15,11 +15,20 @@ import numpy as np
 from nospill.core.files import atomic_folder
 from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
 from nospill.export.base import Exporter
-from nospill.export.message import MESSAGE_TYPE, POINT_COLUMNS, RECEIVER, UNITS, message_samples, message_table
+from nospill.export.message import (
+    MESSAGE_TYPE,
+    OPTIONS,
+    POINT_COLUMNS,
+    RECEIVER,
+    TOPIC,
+    UNITS,
+    Addressed,
+    message_samples,
+    message_table,
+)
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
 from nospill.scene.scene import Scene
 
-TOPIC = "/joint_trajectory_controller/joint_trajectory"
 _BAG_VERSION = 9
 _METADATA = "metadata.yaml"
 
@@ -38,11 +47,11 @@ def _is_bag(names: set[str]) -> bool:
     return _METADATA in names and all(name == _METADATA or name.endswith(".mcap") for name in names)
 
 
-def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
+def _write(samples: JointSamples, scene: Scene, path: Path, sent: Addressed) -> None:
     store = _typestore()
     from rosbags.rosbag2 import StoragePlugin, Writer
 
-    types, table = store.types, message_table(samples, scene)
+    types, table = store.types, message_table(samples, scene, sent)
     duration = types["builtin_interfaces/msg/Duration"]
     points = [
         types["trajectory_msgs/msg/JointTrajectoryPoint"](
@@ -59,7 +68,7 @@ def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
         inner = partial / path.name  # the library wants to make the folder, and names the MCAP file after it
         with Writer(inner, version=_BAG_VERSION, storage_plugin=StoragePlugin.MCAP) as bag:
             bag.set_custom_data("nospill", json.dumps({"robot": scene.robot.name, "units": UNITS}))
-            connection = bag.add_connection(TOPIC, MESSAGE_TYPE, typestore=store)
+            connection = bag.add_connection(sent.topic or TOPIC, MESSAGE_TYPE, typestore=store)
             bag.write(connection, 0, store.serialize_cdr(message, MESSAGE_TYPE))
         for file in list(inner.iterdir()):
             file.rename(partial / file.name)
@@ -88,7 +97,7 @@ def joint_trajectory_messages(path: Path) -> list[dict[str, Any]]:
         raise ScenarioError(f"{path}: damaged, or not a ROS bag ({reason[:120]})") from error
 
 
-def _read(path: Path, scene: Scene) -> JointSamples:
+def _read(path: Path, scene: Scene, sent: Addressed) -> JointSamples:
     store = _typestore()
     from rosbags.rosbag2 import Reader
 
@@ -106,7 +115,7 @@ def _read(path: Path, scene: Scene) -> JointSamples:
         raise PlanFolderError(f"{path}: damaged, or not a ROS 2 bag ({reason[:120]})") from error
     if len(messages) != 1:
         raise PlanFolderError(f"{path}: holds {len(messages)} messages {MESSAGE_TYPE}, one is expected")
-    return message_samples(_plain(messages[0]), scene, path)
+    return message_samples(_plain(messages[0]), scene, path, sent)
 
 
 def _plain(message: Any) -> dict[str, Any]:
@@ -118,14 +127,27 @@ def _plain(message: Any) -> dict[str, Any]:
     return {"joint_names": list(message.joint_names), "points": points}
 
 
-ROSBAG2 = Exporter(
-    name="rosbag2",
-    suffixes=(".rosbag2",),
-    title="ROS 2 bag (MCAP) with one trajectory_msgs/JointTrajectory; needs the extra ros",
-    receiver=RECEIVER,
-    interpolation=QUINTIC_HERMITE,
-    reason_against=lambda scene, rate: None,
-    write=_write,
-    read=_read,
-)
+def rosbag2_exporter(prefix: str = "", topic: str = "", lead: float = 0.0) -> Exporter:
+    """The bag as it is played.
+
+    Raises:
+        ScenarioError: see `message.Addressed`.
+    """
+    sent = Addressed(prefix, lead, topic)
+    return Exporter(
+        name="rosbag2",
+        suffixes=(".rosbag2",),
+        title="ROS 2 bag (MCAP) with one trajectory_msgs/JointTrajectory; needs the extra ros",
+        receiver=RECEIVER,
+        interpolation=QUINTIC_HERMITE,
+        reason_against=lambda scene, rate: None,
+        write=lambda samples, scene, path: _write(samples, scene, path, sent),
+        read=lambda path, scene: _read(path, scene, sent),
+        uneven=True,
+        options=OPTIONS,
+        with_options=rosbag2_exporter,
+    )
+
+
+ROSBAG2 = rosbag2_exporter()
 """The message of ROS in a bag."""

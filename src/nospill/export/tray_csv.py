@@ -13,7 +13,6 @@ unless its base was moved; "base", the controller's own, where it is known (Univ
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 from pathlib import Path
 
@@ -171,7 +170,14 @@ def _solve_joints(
     return joints
 
 
-def _exporter(frame: str) -> Exporter:
+def tray_csv_exporter(frame: str = WORLD) -> Exporter:
+    """The poses in a frame.
+
+    Raises:
+        ScenarioError: there is no such frame.
+    """
+    if frame not in FRAMES:
+        raise ScenarioError(f"tray-csv: no frame {frame!r}; there are {', '.join(FRAMES)}")
     return Exporter(
         name="tray-csv",
         suffixes=(".tray.csv",),
@@ -182,8 +188,10 @@ def _exporter(frame: str) -> Exporter:
         reason_against=lambda scene, rate: _reason_against(scene, rate) or _frame_reason(scene, frame),
         write=functools.partial(_write, frame=frame),
         read=_read,
+        options=("frame",),
+        with_options=tray_csv_exporter,
     )
 
 
-TRAY_CSV = dataclasses.replace(_exporter(WORLD), framed={frame: _exporter(frame) for frame in FRAMES})
+TRAY_CSV = tray_csv_exporter()
 """Poses of the tray."""

@@ -8,11 +8,16 @@ follows. How `servoj` filters the targets (`lookahead_time`, `gain`) is not publ
 the motion, and no certificate of a file can speak about it. The program therefore asks for the shortest look-ahead.
 
 A program that finds the arm away from the first target stops with a message instead of jumping there.
+
+Two forms. What is sent to the controller by socket, from a client library too, begins with def in the first column and
+ends with the line "end", and then runs of itself [Universal Robots, Remote control via TCP/IP; client library, which
+refuses anything else]. In a script node of PolyScope the definition does nothing unless the function is called too.
 """
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +25,8 @@ import numpy as np
 from nospill.core.files import atomic_text
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.base import Exporter, checked_samples, finite_row, require_joints, text_of
+from nospill.export.makers import maker_of
+from nospill.export.payload import payload_of
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.scene.scene import Scene
 
@@ -30,44 +37,49 @@ LOOKAHEAD_TIME, LOOKAHEAD_RANGE = 0.03, (0.03, 0.2)
 """s; the shortest that the controller takes: the least lag."""
 GAIN, GAIN_RANGE = 300, (100, 2000)
 """Gain of the position error; the controller's own default."""
+SOCKET, NODE = FORMS = ("socket", "script-node")
+"""Sent to the controller, or loaded into a node of a program."""
 DECIMALS = 12
 """Of a target in rad: rounding alone shows as less than 1e-6 rad/s^2 at 500 Hz."""
 START_TOLERANCE = 0.002
 """rad; farther from the first target, the program does not start."""
 
-_JOINT_NAMES = (
-    "shoulder_pan_joint",
-    "shoulder_lift_joint",
-    "elbow_joint",
-    "wrist_1_joint",
-    "wrist_2_joint",
-    "wrist_3_joint",
-)
-"""Of the maker's own descriptions, behind a prefix perhaps."""
-_NAMED = re.compile(r"(?:^|[^a-z0-9])ur\d+e?(?:[^a-z0-9]|$)", re.IGNORECASE)
 _TARGET = re.compile(r"servoj\(\[([^\]]*)\], 0, 0, ([0-9.eE+-]+), ([0-9.eE+-]+), ([0-9.eE+-]+)\)")
 _E_SERIES = re.compile(r"ur\d+e", re.IGNORECASE)
 _JOINT_COMMENT = "# joints: "
+_DEFINITION = "def nospill_motion():"
+
+
+@dataclass(frozen=True, slots=True)
+class _Settings:
+    """Form of the program, gain and look-ahead (s) of servoj."""
+
+    form: str
+    gain: float
+    lookahead: float
 
 
 def _comments(scene: Scene, rate: float) -> list[str]:
+    """Within the function: what is sent by socket begins with def."""
     return [
-        f"# written by nospill for {scene.robot.name}",
-        f"{_JOINT_COMMENT}{', '.join(scene.robot.joints)}",
-        f"# targets in rad, one every {period_text(rate)} s ({rate:g} Hz)",
+        f"  # written by nospill for {scene.robot.name}",
+        f"  {_JOINT_COMMENT}{', '.join(scene.robot.joints)}",
+        f"  # targets in rad, one every {period_text(rate)} s ({rate:g} Hz)",
         *(
-            [f"# poses of the plan are in {scene.robot.base_frame}; joints need no frame"]
+            [f"  # poses of the plan are in {scene.robot.base_frame}; joints need no frame"]
             if scene.robot.base_frame
             else []
         ),
-        "# move the arm to the first target before; run with the speed slider at 100 %: scaling stretches the motion",
+        "  # move the arm to the first target before; run with the speed slider at 100 %: scaling stretches the motion",
+        "  # payload: kg, centre of mass in m, Ixx, Iyy, Izz, Ixy, Ixz, Iyz about it in kg m^2, axes of the flange",
     ]
 
 
-def _frame(first: np.ndarray) -> tuple[list[str], list[str]]:
-    """The program's lines before and after the targets."""
+def _frame(first: np.ndarray, scene: Scene, form: str) -> tuple[list[str], list[str]]:
+    """The program's lines before and after the targets, but for comments."""
     before = [
-        "def nospill_motion():",
+        _DEFINITION,
+        f"  {_payload_call(scene)}",
         f"  start = [{_row(first)}]",
         "  now = get_actual_joint_positions()",
         "  i = 0",
@@ -79,7 +91,15 @@ def _frame(first: np.ndarray) -> tuple[list[str], list[str]]:
         "    i = i + 1",
         "  end",
     ]
-    return before, ["  stopj(2.0)", "end", "nospill_motion()"]
+    return before, ["  stopj(2.0)", "end", *(["nospill_motion()"] if form == NODE else [])]
+
+
+def _payload_call(scene: Scene) -> str:
+    payload = payload_of(scene)
+    centre, inertia = (
+        ", ".join(f"{value + 0.0:.6f}" for value in np.round(column, 6)) for column in (payload.centre, payload.six)
+    )
+    return f"set_target_payload({payload.mass:.4f}, [{centre}], [{inertia}])"
 
 
 def _row(values: np.ndarray) -> str:
@@ -96,7 +116,7 @@ def _reason_against(scene: Scene, rate: float) -> str | None:
     joints = len(scene.robot.joints)
     if joints != JOINTS:
         return f"URScript moves arms of {JOINTS} joints; this one has {joints} joints"
-    if not _of_universal_robots(scene):
+    if maker_of(scene) != "Universal Robots":
         return (
             f"URScript is read by arms of Universal Robots; this one is {scene.robot.name} (a description of one is "
             "known by a name like ur10e, or by joints named shoulder_pan_joint and so on); choose another --format"
@@ -104,13 +124,6 @@ def _reason_against(scene: Scene, rate: float) -> str | None:
     if rate not in RATES:
         return f"rate is {rate:g} Hz; a URScript program runs at 500 Hz (e-Series) or 125 Hz (CB3); use --rate 500"
     return None
-
-
-def _of_universal_robots(scene: Scene) -> bool:
-    """Whether the arm is one of theirs, by its name or those of its joints."""
-    robot = scene.robot
-    ours = all(name.endswith(known) for name, known in zip(robot.joints, _JOINT_NAMES, strict=True))
-    return ours or _NAMED.search(robot.name) is not None
 
 
 def _caution(scene: Scene, rate: float) -> str | None:
@@ -122,15 +135,16 @@ def _caution(scene: Scene, rate: float) -> str | None:
     return f"{rate:g} Hz is for {own} controllers; {other} ones play it at another pace and need --rate {needed:g}"
 
 
-def _write(samples: JointSamples, scene: Scene, path: Path) -> None:
+def _write(samples: JointSamples, scene: Scene, path: Path, settings: _Settings) -> None:
     rate = round(samples.rate, 3)
     reason = _reason_against(scene, rate)
     if reason is not None:
         raise ScenarioError(reason)
-    arguments = f"0, 0, {period_text(rate)}, {LOOKAHEAD_TIME}, {GAIN}"
+    arguments = f"0, 0, {period_text(rate)}, {settings.lookahead:g}, {settings.gain:g}"
     targets = [f"  servoj([{_row(row)}], {arguments})" for row in samples.position]
-    before, after = _frame(samples.position[0])
-    atomic_text(path, "\n".join([*_comments(scene, rate), *before, *targets, *after, ""]))
+    before, after = _frame(samples.position[0], scene, settings.form)
+    lines = [before[0], *_comments(scene, rate), *before[1:], *targets, *after, ""]
+    atomic_text(path, "\n".join(lines))
 
 
 def _read(path: Path, scene: Scene) -> JointSamples:
@@ -163,14 +177,14 @@ def _read(path: Path, scene: Scene) -> JointSamples:
         raise PlanFolderError(
             f"{path}: the period of servoj is {periods[0]:g} s or changes; 0.002 or 0.008 is expected"
         )
-    _require_frame(others, np.array(rows), path)
+    _require_frame(others, np.array(rows), scene, path)
     t = np.round(np.arange(len(rows)) * periods[0] * 1e9) / 1e9
     return checked_samples(JointSamples(t, np.array(rows)), path)
 
 
-def _require_frame(others: list[tuple[int, str, int]], rows: np.ndarray, path: Path) -> None:
+def _require_frame(others: list[tuple[int, str, int]], rows: np.ndarray, scene: Scene, path: Path) -> None:
     """Refuse a program in which anything else moves the arm: its other lines are those of `_frame`, in their places."""
-    before, after = _frame(rows[0])
+    before, after = _frame(rows[0], scene, SOCKET if others and others[-1][1] == "end" else NODE)
     wanted = [(line.strip(), 0) for line in before] + [(line.strip(), len(rows)) for line in after]
     for (number, line, place), expected in zip(others, wanted, strict=False):
         if (line, place) != expected:
@@ -179,15 +193,41 @@ def _require_frame(others: list[tuple[int, str, int]], rows: np.ndarray, path: P
         raise PlanFolderError(f"{path}: the program has {len(others)} lines besides its targets, not {len(wanted)}")
 
 
-URSCRIPT = Exporter(
-    name="urscript",
-    suffixes=(".script",),
-    title="URScript program of servoj targets, 500 Hz (e-Series) or 125 Hz (CB3), six joints",
-    receiver="Universal Robots controller: a target each control period, its drives follow (quintic spline)",
-    interpolation=QUINTIC_SPLINE,
-    reason_against=_reason_against,
-    write=_write,
-    read=_read,
-    caution=_caution,
-)
+def urscript_exporter(form: str = SOCKET, gain: float = GAIN, lookahead: float = LOOKAHEAD_TIME) -> Exporter:
+    """The program in one of its forms.
+
+    Args:
+        form: "socket" or "script-node".
+        gain: of the position error, 100 to 2000.
+        lookahead: s, 0.03 to 0.2.
+
+    Raises:
+        ScenarioError: no such form, or a number that the controller does not take.
+    """
+    if form not in FORMS:
+        raise ScenarioError(f"urscript: no form {form!r}; there are {', '.join(FORMS)}")
+    for option, value, (low, high), unit in (
+        ("gain", gain, GAIN_RANGE, ""),
+        ("lookahead", lookahead, LOOKAHEAD_RANGE, " s"),
+    ):
+        if not low <= value <= high:
+            raise ScenarioError(f"urscript: --{option} is {value:g}{unit}; servoj takes {low:g} to {high:g}{unit}")
+    settings = _Settings(form, gain, lookahead)
+    return Exporter(
+        name="urscript",
+        suffixes=(".script",),
+        title="URScript program of servoj targets, 500 Hz (e-Series) or 125 Hz (CB3), six joints; to be sent, or for a "
+        "script node (--form)",
+        receiver="Universal Robots controller: a target each control period, its drives follow (quintic spline)",
+        interpolation=QUINTIC_SPLINE,
+        reason_against=_reason_against,
+        write=lambda samples, scene, path: _write(samples, scene, path, settings),
+        read=_read,
+        caution=_caution,
+        options=("form", "gain", "lookahead"),
+        with_options=urscript_exporter,
+    )
+
+
+URSCRIPT = urscript_exporter()
 """A program for Universal Robots."""

@@ -98,6 +98,11 @@ def settling_after(controller: Controller) -> float:
     return 0.0 if controller.compensate else controller.spread + _SETTLED * float(np.max(controller.lag))
 
 
+def settled_after(controller: Controller) -> float:
+    """How long after the end of its command the last joint still moves, s, compensated or not."""
+    return controller.latest + _SETTLED * float(np.max(controller.lag))
+
+
 @dataclass(frozen=True, slots=True)
 class _Lagged:
     """A first-order lag driven by piecewise polynomials, exactly.

@@ -17,7 +17,7 @@ from nospill.judge.wording import describe
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.resampling import resampled
-from nospill.plans.handover import Handover, read_samples, require_exportable
+from nospill.plans.handover import Handover, rate_of, read_samples, require_exportable
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
 
@@ -141,7 +141,7 @@ def hand_over_approach(plan: Plan, exporter: Exporter, path: Path, *, rate: floa
     segment, rules = plan.approach, plan.scene.approach
     if segment is None or rules is None:
         raise ScenarioError(f"{plan.scene.name}: the plan has no approach; plan again with a table [approach]")
-    rate = plan.scene.output_rate if rate is None else rate
+    rate = rate_of(plan, exporter, rate)
     require_exportable(plan, exporter, rate)
     exporter.write(resampled(segment.record(), rate), plan.scene, path)
     bare = replace(plan.scene, motion=replace(plan.scene.motion, hold_before=0.0, hold_after=0.0))
@@ -154,6 +154,7 @@ def hand_over_approach(plan: Plan, exporter: Exporter, path: Path, *, rate: floa
         exporter=exporter,
         rate=samples.rate,
         samples=len(samples.t),
+        even=True,
         certificate=judge_segment(played, plan.scene, rules, end, motion=motion),
         joint_deviation=Handover.largest_deviation(segment.record(), samples, motion),
     )

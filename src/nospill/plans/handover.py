@@ -6,23 +6,21 @@ constraints, the tolerances and the code of every other certificate. Nothing is 
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS, Exporter
-from nospill.judge.certificate import certify
 from nospill.judge.verdict import Certificate
-from nospill.motion.control import commanded_at, followed
-from nospill.motion.holds import held_samples, hold_periods
+from nospill.motion.holds import hold_periods
 from nospill.motion.interpolation import JointMotion, JointSamples
-from nospill.motion.resampling import HIGHEST_RATE, interpolated
+from nospill.motion.resampling import HIGHEST_RATE
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
+from nospill.plans.played import EVENNESS, certified, done_by, evenly_spaced, fewest_certified, lead_of, planned_samples
 from nospill.scene.scene import Scene
 
 USUAL_RATES = (50.0, 100.0, 125.0, 200.0, 250.0, 500.0, 1000.0)
@@ -30,9 +28,6 @@ USUAL_RATES = (50.0, 100.0, 125.0, 200.0, 250.0, 500.0, 1000.0)
 
 END_TOLERANCE = 1e-6
 """rad; a file ends where the plan ends."""
-
-EVENNESS = 1e-4
-"""Part by which the time between two samples may differ from the mean: nanoseconds are rounded."""
 
 _FINENESS = 8
 """Instants per period at which a motion is compared with the plan."""
@@ -45,8 +40,9 @@ class Handover:
     Attributes:
         path: the file or folder.
         exporter: its format.
-        rate: samples per second, Hz.
+        rate: samples per second, Hz; in the mean where they are not evenly spaced.
         samples: how many.
+        even: whether they are evenly spaced.
         certificate: of the motion read back.
         joint_deviation: largest difference of a joint from the plan at any time, rad; between samples too.
     """
@@ -55,6 +51,7 @@ class Handover:
     exporter: Exporter
     rate: float
     samples: int
+    even: bool
     certificate: Certificate
     joint_deviation: float
 
@@ -84,39 +81,60 @@ def exporter_named(name: str) -> Exporter:
     return EXPORTERS[name]
 
 
-def in_frame(exporter: Exporter, frame: str | None) -> Exporter:
-    """The exporter of poses in a frame; as it is for None.
+def with_options(exporter: Exporter, options: Mapping[str, object]) -> Exporter:
+    """The format with what is chosen about it.
+
+    Args:
+        exporter: the format.
+        options: by name; None where nothing is chosen.
 
     Raises:
-        ScenarioError: the format holds joints, or there is no such frame.
+        ScenarioError: the format has no such option, or an option no such value.
     """
-    if frame is None:
+    chosen = {name: value for name, value in options.items() if value is not None}
+    if not chosen:
         return exporter
-    if not exporter.framed:
-        raise ScenarioError(f"{exporter.name}: holds joints, which need no frame; leave --frame out")
-    if frame not in exporter.framed:
-        raise ScenarioError(f"{exporter.name}: no frame {frame!r}; there are {', '.join(exporter.framed)}")
-    return exporter.framed[frame]
+    for name in chosen:
+        if name not in exporter.options:
+            offered = f"its options are --{', --'.join(exporter.options)}" if exporter.options else "it has no options"
+            raise ScenarioError(f"{exporter.name}: no option --{name}; {offered}")
+    assert exporter.with_options is not None
+    return exporter.with_options(**chosen)
 
 
-def hand_over(plan: Plan, exporter: Exporter, path: Path, *, rate: float | None = None) -> Handover:
+def hand_over(
+    plan: Plan, exporter: Exporter, path: Path, *, rate: float | None = None, points: int | None = None
+) -> Handover:
     """Write a plan's file, read it back and judge what its receiver will play.
 
     Args:
         plan: with a scene and a trajectory.
         exporter: the format.
         path: file to write, at once or not at all.
-        rate: samples per second, Hz; the plan's when left out.
+        rate: samples per second, Hz; the format's usual one or the plan's when left out.
+        points: how many samples there may be at most; then they are the fewest, unevenly spaced, that stay certified,
+            of the plan's own.
 
     Raises:
-        ScenarioError: the format does not take this scene or rate.
+        ScenarioError: the format does not take this scene, rate or uneven samples; or more samples are needed.
         PlanFolderError: the disk refuses, or the file does not hold this plan's motion when it is read.
         ModelError: the liquids cannot be integrated along what was read.
     """
-    rate = plan.scene.output_rate if rate is None else rate
+    if points is not None and rate is not None:
+        raise ScenarioError(f"{exporter.name}: few points are some of the plan's own; leave --rate or --points out")
+    rate = rate_of(plan, exporter, rate)
     require_exportable(plan, exporter, rate)
-    exporter.write(_samples(plan, rate), plan.scene, path)
+    samples = planned_samples(plan, rate)
+    if points is not None:
+        samples = fewest_certified(plan, exporter, samples, points)
+    exporter.write(samples, plan.scene, path)
     return judge_file(plan, exporter, path)
+
+
+def rate_of(plan: Plan, exporter: Exporter, rate: float | None) -> float:
+    """The rate asked for, else the one that the format is usually read at, else the plan's, Hz."""
+    usual = plan.scene.output_rate if exporter.usual_rate is None else exporter.usual_rate
+    return usual if rate is None else rate
 
 
 def judge_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
@@ -129,77 +147,27 @@ def judge_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
     """
     samples = read_samples(exporter, path, plan.scene)
     _require_same_end(plan, samples, path)
-    motion, lead = exporter.interpolation.motion(samples), _lead(plan, samples)
+    motion, lead = exporter.interpolation.motion(samples), lead_of(plan, samples)
     return Handover(
         path=path,
         exporter=exporter,
         rate=samples.rate,
         samples=len(samples.t),
+        even=evenly_spaced(samples),
         certificate=certified(plan, samples, motion),
-        joint_deviation=Handover.largest_deviation(plan.trajectory, samples, _done(plan, samples, motion), lead),
+        joint_deviation=Handover.largest_deviation(plan.trajectory, samples, done_by(plan, samples, motion), lead),
     )
 
 
-def _samples(plan: Plan, rate: float) -> JointSamples:
-    """What a file holds: the command, with its holds."""
-    return held_samples(commanded_at(plan.trajectory, plan.scene.controller, rate), plan.scene.motion)
-
-
-def _done(plan: Plan, samples: JointSamples, motion: JointMotion) -> JointMotion:
-    """What a record of the file is about: what the joints do where the command compensates, else the command itself."""
-    controller = plan.scene.controller
-    if controller is None or not controller.compensate:
-        return motion
-    return followed(motion, controller, float(samples.t[0]), float(samples.t[-1]))
-
-
 def read_samples(exporter: Exporter, path: Path, scene: Scene) -> JointSamples:
-    """The samples of a file, evenly spaced and not too dense to be judged.
+    """The samples of a file, not too dense to be judged, and evenly spaced where the receiver wants that.
 
     Raises:
         PlanFolderError: they are not, or the file cannot be read.
     """
     samples = exporter.read(path, scene)
-    _require_even(samples, path)
+    _require_judgeable(samples, path, may_be_uneven=exporter.uneven)
     return samples
-
-
-def _lead(plan: Plan, samples: JointSamples) -> float:
-    """Time in a file at which the plan's motion begins, s."""
-    return hold_periods(plan.scene.motion, round(samples.rate, 3))[0] / samples.rate
-
-
-def certified(plan: Plan, samples: JointSamples, motion: JointMotion) -> Certificate:
-    """The certificate of a receiver's motion: constraints along it, its tray against the plan's path and record.
-
-    The record is at the file's own rate, since that is what the receiver's differences are of; below the plan's rate,
-    at the least multiple of it that is not lower. Between the plan's samples its path and pose are splines. Speeds and
-    accelerations of the record become the receiver's own; where they exceed limits, the constraints say so.
-
-    Args:
-        plan: the plan.
-        samples: of the file, with its holds.
-        motion: what the receiver makes of them.
-    """
-    planned, lead = plan.trajectory, _lead(plan, samples)
-    every = math.ceil(planned.rate / samples.rate * (1.0 - EVENNESS))
-    count = (len(samples.t) - 1) * every + 1
-    times = np.linspace(samples.t[0], samples.t[-1], count)
-    t = times - lead + planned.t[0]
-
-    def played(t: np.ndarray, order: int = 0, /) -> np.ndarray:
-        return motion(t - planned.t[0] + lead, order)
-
-    done = _done(plan, samples, motion)
-    record = replace(
-        interpolated(planned, t),
-        joint_position=done(times),
-        joint_speed=done(times, 1),
-        joint_acceleration=done(times, 2),
-    )
-    # the holds are in the file, and its samples come at its own rate
-    rules = replace(plan.scene.motion, hold_before=0.0, hold_after=0.0)
-    return certify(record, replace(plan.scene, motion=rules, output_rate=record.rate), motion=played)
 
 
 def rate_that_would_do(plan: Plan, exporter: Exporter, rates: Sequence[float] = USUAL_RATES) -> float | None:
@@ -208,7 +176,7 @@ def rate_that_would_do(plan: Plan, exporter: Exporter, rates: Sequence[float] = 
         if exporter.reason_against(plan.scene, rate) is not None:
             continue
         try:
-            samples = _samples(plan, rate)
+            samples = planned_samples(plan, rate)
             if certified(plan, samples, exporter.interpolation.motion(samples)).ok:
                 return rate
         except NospillError:  # a liquid that leaves its cup: not at this rate
@@ -227,10 +195,19 @@ def require_exportable(plan: Plan, exporter: Exporter, rate: float) -> None:
         raise ScenarioError(f"{exporter.name}: {reason}")
 
 
-def _require_even(samples: JointSamples, path: Path) -> None:
+def _require_judgeable(samples: JointSamples, path: Path, *, may_be_uneven: bool) -> None:
     """What lies closer together than the judge looks could hide anything."""
     if samples.rate > HIGHEST_RATE * (1.0 + EVENNESS):
         raise PlanFolderError(f"{path}: {samples.rate:g} samples per second; at most {HIGHEST_RATE:g} can be judged")
+    if may_be_uneven:
+        closest = int(np.argmin(np.diff(samples.t)))
+        apart = samples.t[closest + 1] - samples.t[closest]
+        if apart * HIGHEST_RATE < 1.0 - EVENNESS:
+            raise PlanFolderError(
+                f"{path}: samples {closest + 1} and {closest + 2} are {1e3 * apart:.4g} ms apart; at least "
+                f"{1e3 / HIGHEST_RATE:g} ms can be judged"
+            )
+        return
     uneven = np.abs(np.diff(samples.t) * samples.rate - 1.0)
     row = int(np.argmax(uneven))
     if uneven[row] > EVENNESS:
@@ -242,8 +219,9 @@ def _require_even(samples: JointSamples, path: Path) -> None:
 
 def _require_same_end(plan: Plan, samples: JointSamples, path: Path) -> None:
     planned = plan.trajectory
-    period = 1.0 / samples.rate
-    held = period * sum(hold_periods(plan.scene.motion, round(samples.rate, 3)))
+    rate = samples.rate if evenly_spaced(samples) else planned.rate
+    period = 1.0 / rate
+    held = period * sum(hold_periods(plan.scene.motion, round(rate, 3)))
     controller = plan.scene.controller
     longer = controller.spread if controller is not None and controller.compensate else 0.0
     length = float(planned.t[-1] - planned.t[0]) + held + longer

@@ -1,0 +1,135 @@
+"""A plan's file as its receiver plays it: the samples in it, the certificate of what is made of them, the fewest.
+
+What was written is judged with the constraints, the tolerances and the code of every other certificate.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from nospill.errors import NospillError, ScenarioError
+from nospill.export import Exporter
+from nospill.judge.certificate import certify
+from nospill.judge.verdict import Certificate
+from nospill.laws.constraints.jerk import OffsetJerk, PathJerk, TiltJerk, YawJerk
+from nospill.motion.control import commanded_at, followed
+from nospill.motion.fewest_points import fewest_points, part_of
+from nospill.motion.holds import held_samples, hold_periods
+from nospill.motion.interpolation import JointMotion, JointSamples
+from nospill.motion.resampling import interpolated
+from nospill.plans.plan import Plan
+
+EVENNESS = 1e-4
+"""Part by which the time between two samples may differ from the mean: nanoseconds are rounded."""
+
+OF_CONTROLS = frozenset(law.name for law in (PathJerk, TiltJerk, OffsetJerk, YawJerk))
+"""Jerks of path, tilt, offset and yaw: bounds that the planner sets itself, and no receiver knows."""
+
+_TOLERANCES = (3e-4, 3.0)
+"""rad/s^2; few points are looked for between these distances of the accelerations from the plan's."""
+_HALVINGS = 7
+"""Of the logarithm of the range: within 7 %, which is a point or two."""
+
+
+def planned_samples(plan: Plan, rate: float) -> JointSamples:
+    """What a file holds: the command, with its holds."""
+    return held_samples(commanded_at(plan.trajectory, plan.scene.controller, rate), plan.scene.motion)
+
+
+def done_by(plan: Plan, samples: JointSamples, motion: JointMotion) -> JointMotion:
+    """What a record of the file is about: what the joints do where the command compensates, else the command itself."""
+    controller = plan.scene.controller
+    if controller is None or not controller.compensate:
+        return motion
+    return followed(motion, controller, float(samples.t[0]), float(samples.t[-1]))
+
+
+def lead_of(plan: Plan, samples: JointSamples) -> float:
+    """Time in a file at which the plan's motion begins, s; points that are not evenly spaced are among the plan's."""
+    rate = samples.rate if evenly_spaced(samples) else plan.trajectory.rate
+    return hold_periods(plan.scene.motion, round(rate, 3))[0] / rate
+
+
+def evenly_spaced(samples: JointSamples) -> bool:
+    """Whether all samples are a period apart, but for rounded times."""
+    return bool(np.max(np.abs(np.diff(samples.t) * samples.rate - 1.0)) <= EVENNESS)
+
+
+def certified(plan: Plan, samples: JointSamples, motion: JointMotion) -> Certificate:
+    """The certificate of a receiver's motion: constraints along it, its tray against the plan's path and record.
+
+    The record is at the file's own rate, since that is what the receiver's differences are of; below the plan's rate,
+    at the least multiple of it that is not lower; at the plan's own for samples that are not evenly spaced. Between
+    the plan's samples its path and pose are splines. Speeds and accelerations of the record become the receiver's own;
+    where they exceed limits, the constraints say so. Bounds of the plan's own controls, which no receiver knows, are
+    not among the rows.
+
+    Args:
+        plan: the plan.
+        samples: of the file, with its holds.
+        motion: what the receiver makes of them.
+    """
+    planned, lead = plan.trajectory, lead_of(plan, samples)
+    if evenly_spaced(samples):
+        count = (len(samples.t) - 1) * math.ceil(planned.rate / samples.rate * (1.0 - EVENNESS)) + 1
+    else:
+        count = math.ceil(samples.t[-1] * planned.rate * (1.0 - EVENNESS)) + 1
+    times = np.linspace(samples.t[0], samples.t[-1], count)
+    t = times - lead + planned.t[0]
+
+    def played(t: np.ndarray, order: int = 0, /) -> np.ndarray:
+        return motion(t - planned.t[0] + lead, order)
+
+    done = done_by(plan, samples, motion)
+    record = replace(
+        interpolated(planned, t),
+        joint_position=done(times),
+        joint_speed=done(times, 1),
+        joint_acceleration=done(times, 2),
+    )
+    # the holds are in the file, and its samples come at its own rate
+    rules = replace(plan.scene.motion, hold_before=0.0, hold_after=0.0)
+    found = certify(record, replace(plan.scene, motion=rules, output_rate=record.rate), motion=played)
+    rows = tuple(row for row in found.rows if row.constraint not in OF_CONTROLS)
+    return replace(found, rows=rows, ok=all(row.ok for row in rows) and not found.unjudged)
+
+
+def fewest_certified(plan: Plan, exporter: Exporter, samples: JointSamples, most: int) -> JointSamples:
+    """The fewest of the samples that stay certified as the receiver plays them.
+
+    The fewer there are, the farther the receiver's accelerations are from those of the plan: the largest distance that
+    is still certified is found by halving its logarithm.
+
+    Raises:
+        ScenarioError: the receiver takes even samples only, or there are more than `most`.
+    """
+    if not exporter.uneven:
+        raise ScenarioError(
+            f"{exporter.name}: is played a row a period, evenly spaced; leave --points out, or take joint-trajectory"
+        )
+    best = None
+    close, far = map(math.log, _TOLERANCES)
+    for _ in range(_HALVINGS):
+        tolerance = (close + far) / 2.0
+        few = part_of(samples, fewest_points(samples, math.exp(tolerance)))
+        if _bears(plan, few, exporter.interpolation.motion(few)):
+            best, close = few, tolerance
+        else:
+            far = tolerance
+    least = samples if best is None else best
+    if len(least.t) > most:
+        raise ScenarioError(
+            f"--points {most}: {len(least.t)} points are the fewest that stay certified; "
+            f"--points {len(least.t)} would do, or a slower plan (nospill slow)"
+        )
+    return least
+
+
+def _bears(plan: Plan, samples: JointSamples, motion: JointMotion) -> bool:
+    try:
+        return certified(plan, samples, motion).ok
+    except NospillError:  # a liquid that leaves its cup
+        return False
