@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from nospill.core.attitudes import angles_between, matrices, tilt_of, tray_quaternions, yaw_of
 from nospill.errors import PlanFolderError, ScenarioError
-from nospill.judge.beside_path import between_samples
+from nospill.judge.path_deviation import between_samples
 from nospill.judge.plausibility import unlikely_units
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Trace, limit_trace

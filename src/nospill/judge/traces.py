@@ -15,7 +15,7 @@ from nospill.core.batches import evaluate
 from nospill.core.frames import SX, body_motion, frame_at_rest
 from nospill.core.trees import flatten
 from nospill.judge.after_end import residual_height
-from nospill.judge.beside_path import passing_traces, played_offset
+from nospill.judge.path_deviation import passing_traces, played_offset
 from nospill.judge.replay import Replay, slosh_accelerations, states_at
 from nospill.judge.verdict import Trace
 from nospill.laws.constraints import constraints_of
@@ -33,8 +33,8 @@ from nospill.laws.kinds import (
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
-from nospill.motion.beside_path import recorded_freedom
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
+from nospill.motion.path_deviation import recorded_freedom
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene

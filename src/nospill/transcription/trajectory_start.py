@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.laws.scene_parameters import structure_of
-from nospill.motion.beside_path import recorded_freedom
+from nospill.motion.path_deviation import recorded_freedom
 from nospill.motion.trajectory import SloshTrack, Trajectory
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.forward import kinematics

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from nospill.judge.beside_path import nearest_on
+from nospill.judge.path_deviation import nearest_on
 from nospill.judge.record_checks import ATTITUDE_TOLERANCE, POSITION_TOLERANCE
 from nospill.plans.warnings.record import Facts, PlanWarning
 
