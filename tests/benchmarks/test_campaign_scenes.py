@@ -58,7 +58,7 @@ def test_reachable_scenarios_are_reached(cases: list[Case]) -> None:
 
 def test_distributions_name_what_there_is() -> None:
     assert set(DISTRIBUTIONS.robot.values) == set(ROBOTS)
-    assert set(DISTRIBUTIONS.path.values) == set(PATH_TABLES) - {"free"} == set(campaign_paths.PATHS)
+    assert set(DISTRIBUTIONS.path.values) == set(PATH_TABLES) - {"free", "joints"} == set(campaign_paths.PATHS)
     random = np.random.default_rng(0)
     drawn = {campaign_scenes._object(random, DISTRIBUTIONS)[0]["shape"] for _ in range(50)}
     assert drawn == {"cylinder", "box"} < set(CARGO_TABLES)

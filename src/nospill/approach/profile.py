@@ -82,10 +82,11 @@ def jerk_limited(
     library = require_ruckig()
     part, longest = _parts(end - start)
     moving = part != 0.0
-    least = [
-        float(np.min(limit[moving] / np.abs(part[moving])) if longest > 0.0 else np.min(limit))
-        for limit in (max_speed, max_acceleration, max_jerk)
-    ]
+    with np.errstate(over="ignore"):  # a joint that hardly moves limits nothing
+        least = [
+            float(np.min(limit[moving] / np.abs(part[moving])) if longest > 0.0 else np.min(limit))
+            for limit in (max_speed, max_acceleration, max_jerk)
+        ]
     wanted = library.InputParameter(1)
     wanted.current_position, wanted.target_position = [0.0], [longest]
     wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = ([limit] for limit in least)

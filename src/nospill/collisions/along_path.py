@@ -157,7 +157,7 @@ def slack_bounds(pairs: Sequence[Pair], frames: JointFrames, *, enough: float = 
     found = ball_gaps(bodies, frames) - limits
 
     def near(chosen: Iterable[int]) -> tuple[list[int], list[tuple[Body, Body]]]:
-        indices = [index for index in chosen if enough == np.inf or float(np.min(found[index])) < enough]
+        indices = [index for index in chosen if enough == np.inf or np.min(found[index], initial=np.inf) < enough]
         return indices, [bodies[index] for index in indices]
 
     capsules, own = near(index for index, pair in enumerate(bodies) if are_capsules(*pair))

@@ -87,7 +87,8 @@ def is_named(columns: Iterable[str]) -> bool:
 def _unnamed(origin: str, columns: Mapping[str, np.ndarray], units: Mapping[str, str]) -> Clock | None:
     """The one column that can be nothing but a clock, whatever its name."""
     likely = [name for name, values in columns.items() if _is_clock(values)]
-    counters = [name for name in likely if np.all(np.diff(columns[name]) == 1.0)]
+    told = [name for name in likely if units.get(name, "") in _FACTORS]
+    counters = [name for name in likely if name not in told and np.all(np.diff(columns[name]) == 1.0)]
     likely = [name for name in likely if name not in counters]
     if len(likely) == 1:
         return _in_seconds(origin, likely[0], columns[likely[0]], units.get(likely[0], ""))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from nospill.errors import ScenarioError
@@ -56,6 +56,7 @@ def test_drawn_logs_are_read_as_what_they_are(
     tmp_path: Path, name, unit, stated, period, start, order, style, degrees, missing, wrapped, mark
 ) -> None:
     """Whatever the names, the units, the order and the marks: the times and angles of the file, and what was read."""
+    assume(stated or name != "Zeitstempel" or period * FACTORS[unit] != 1.0)  # which nothing tells from a counter
     t = period * np.arange(COUNT)
     q = positions(t) + (3.05 if wrapped else 0.0)
     told = np.mod(q + np.pi, 2.0 * np.pi) - np.pi if wrapped else q
