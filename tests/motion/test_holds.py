@@ -16,7 +16,7 @@ from nospill.export.plan_files import compare_plan_files
 from nospill.judge.certificate import certify, judge
 from nospill.motion.holds import held_samples, held_trajectory, hold_periods
 from nospill.motion.resampling import resampled
-from nospill.plans.handover import hand_over, judge_file, rate_that_would_do
+from nospill.plans.handover import hand_over, judge_exported_file, rate_that_would_do
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
@@ -154,7 +154,7 @@ def test_a_file_without_its_holds_is_refused(held_plan, tmp_path, name):
     bare = replace(plan, scene=replace(plan.scene, motion=rules_of(plan.scene, 0.0, 0.0)))
     hand_over(bare, exporter, path)
     with pytest.raises(PlanFolderError, match=r"lasts|identical rows"):
-        judge_file(plan, exporter, path)
+        judge_exported_file(plan, exporter, path)
 
 
 @pytest.mark.slow

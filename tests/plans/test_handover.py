@@ -19,7 +19,7 @@ from nospill.plans.handover import (
     certified,
     exporter_named,
     hand_over,
-    judge_file,
+    judge_exported_file,
     rate_that_would_do,
 )
 from nospill.plans.plan import Plan
@@ -136,7 +136,7 @@ def test_one_sample_off_by_a_millirad_is_noticed(gentle_plan, tmp_path, name):
     position = resampled(plan.trajectory, 500.0).position.copy()
     position[401, 2] += 1e-3
     exporter, path = rewritten(plan, name, tmp_path, position=position)
-    done = judge_file(plan, exporter, path)
+    done = judge_exported_file(plan, exporter, path)
     assert not done.certificate.ok
     assert done.joint_deviation == pytest.approx(1e-3, rel=0.1)
     assert "path position" in {row.constraint for row in done.certificate.rows if not row.ok}
@@ -149,7 +149,7 @@ def test_a_file_of_another_length_is_refused(gentle_plan, tmp_path, name):
     cut = {field: getattr(samples, field)[:-20] for field in ("t", "position", "speed", "acceleration")}
     exporter, path = rewritten(plan, name, tmp_path, **cut)
     with pytest.raises(PlanFolderError, match=r"lasts .* s; the plan lasts"):
-        judge_file(plan, exporter, path)
+        judge_exported_file(plan, exporter, path)
 
 
 @FORMATS
@@ -159,7 +159,7 @@ def test_a_file_that_ends_elsewhere_is_refused(gentle_plan, tmp_path, name):
     position[-1, 1] += 1e-4
     exporter, path = rewritten(plan, name, tmp_path, position=position)
     with pytest.raises(PlanFolderError, match=r"joint_2 ends 0\.0001 rad from where it ends in the plan"):
-        judge_file(plan, exporter, path)
+        judge_exported_file(plan, exporter, path)
 
 
 def test_samples_must_come_evenly_to_whom_plays_a_row_a_period(gentle_plan, tmp_path):
@@ -168,7 +168,7 @@ def test_samples_must_come_evenly_to_whom_plays_a_row_a_period(gentle_plan, tmp_
     t[100] += 2e-6
     exporter, path = rewritten(plan, "tray-csv", tmp_path, t=t)
     with pytest.raises(PlanFolderError, match=r"samples 10[01] and 10[12] are .* s apart"):
-        judge_file(plan, exporter, path)
+        judge_exported_file(plan, exporter, path)
 
 
 @pytest.mark.parametrize("name", ["joint-trajectory", "action-goal", "rosbag2", "csv", "mat"])
@@ -178,7 +178,7 @@ def test_uneven_points_may_not_hide_between_instants_of_the_judge(gentle_plan, t
     t[100] = t[99] + 5e-4
     exporter, path = rewritten(plan, name, tmp_path, t=t)
     with pytest.raises(PlanFolderError, match=r"samples 100 and 101 are 0\.5 ms apart; at least 1 ms can be judged"):
-        judge_file(plan, exporter, path)
+        judge_exported_file(plan, exporter, path)
 
 
 @pytest.mark.slow
@@ -226,7 +226,7 @@ def test_what_lies_closer_together_than_the_judge_looks_is_refused(gentle_plan, 
     dense = JointSamples(t, motion(t), motion(t, 1), motion(t, 2))
     EXPORTERS["mat"].write(dense, plan.scene, path)
     with pytest.raises(PlanFolderError, match="4000 samples per second; at most 1000 can be judged"):
-        judge_file(plan, EXPORTERS["mat"], path)
+        judge_exported_file(plan, EXPORTERS["mat"], path)
 
 
 @pytest.mark.parametrize("name", ["csv", "joint-trajectory", "action-goal", "rosbag2", "mat"])
@@ -259,4 +259,4 @@ def test_formats_that_do_not_exist_are_named():
 @FORMATS
 def test_a_file_that_is_missing_is_an_error_in_words(gentle_plan, tmp_path, name):
     with pytest.raises(NospillError, match="write it again with nospill"):
-        judge_file(gentle_plan("matrix-rigid", 1), EXPORTERS[name], file_of(EXPORTERS[name], tmp_path))
+        judge_exported_file(gentle_plan("matrix-rigid", 1), EXPORTERS[name], file_of(EXPORTERS[name], tmp_path))

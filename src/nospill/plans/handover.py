@@ -128,7 +128,7 @@ def hand_over(
     if points is not None:
         samples = fewest_certified(plan, exporter, samples, points)
     exporter.write(samples, plan.scene, path)
-    return judge_file(plan, exporter, path)
+    return judge_exported_file(plan, exporter, path)
 
 
 def rate_of(plan: Plan, exporter: Exporter, rate: float | None) -> float:
@@ -137,7 +137,7 @@ def rate_of(plan: Plan, exporter: Exporter, rate: float | None) -> float:
     return usual if rate is None else rate
 
 
-def judge_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
+def judge_exported_file(plan: Plan, exporter: Exporter, path: Path) -> Handover:
     """Judge a file that was written before, as its receiver will play it.
 
     Raises:
