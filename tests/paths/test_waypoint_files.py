@@ -6,6 +6,8 @@ from pathlib import Path as FilePath
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from nospill.errors import ScenarioError
@@ -103,3 +105,73 @@ def test_a_ten_megabyte_file_is_read(tmp_path: FilePath) -> None:
     file = written("\n".join(",".join(map(repr, row)) for row in points.tolist() * 180), tmp_path)
     assert file.stat().st_size > 10e6
     assert read_waypoints(file).points.shape == (180_000, 3)
+
+
+LENGTHS = {"m": 1.0, "cm": 1e2, "mm": 1e3, "um": 1e6}
+
+
+@given(
+    length=st.sampled_from(["", *LENGTHS]),
+    style=st.sampled_from(["{0}_{1}", "{0} [{1}]", "{0} ({1})"]),
+    attitude=st.sampled_from(["", "deg", "rad", "quaternion"]),
+    times=st.sampled_from(["", "t", "time", "timestamp"]),
+    order=st.randoms(use_true_random=False),
+    separator=st.sampled_from([",", ";", " , "]),
+    mark=st.sampled_from(["", "\ufeff"]),
+    fault=st.sampled_from(["", "", "", "nan", "text", "short", "comma", "unknown column", "twice"]),
+    flips=st.booleans(),
+    end=st.sampled_from(["\n", "\r\n"]),
+)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_drawn_files_are_read_as_what_they_are_or_refused(
+    tmp_path: FilePath, length, style, attitude, times, order, separator, mark, fault, flips, end
+) -> None:
+    """Columns in any order, unit and spelling; what is no table of points is refused with its line."""
+    count = 9
+    places = np.column_stack([np.linspace(0.4, 0.7, count), np.linspace(-0.3, 0.3, count) ** 3, np.full(count, 0.5)])
+    yaw = np.linspace(0.0, 4.0, count)
+    factor = LENGTHS.get(length, 1.0)
+    columns = {style.format(axis, length) if length else axis: factor * places[:, i] for i, axis in enumerate("xyz")}
+    if attitude == "quaternion":
+        signs = np.where(np.arange(count) % 3 == 1, -1.0, 1.0) if flips else np.ones(count)
+        quaternions = signs[:, None] * Rotation.from_euler("z", yaw[:, None]).as_quat()
+        columns |= dict(zip(("qx", "qy", "qz", "qw"), quaternions.T, strict=True))
+    elif attitude:
+        angles = np.mod(yaw + np.pi, 2.0 * np.pi) - np.pi if flips else yaw
+        columns[f"yaw_{attitude}"] = np.degrees(angles) if attitude == "deg" else angles
+    if times:
+        columns[times] = 0.1 * np.arange(count)
+    if fault == "unknown column":
+        columns["roll"] = np.zeros(count)
+    names = list(columns)
+    order.shuffle(names)
+    rows = [[repr(float(columns[name][row])) for name in names] for row in range(count)]
+    if fault == "nan":
+        rows[4][0] = "nan"
+    elif fault == "text":
+        rows[4][0] = "N/A"
+    elif fault == "short":
+        rows[4] = rows[4][:-1]
+    elif fault == "comma":
+        rows[4] = [cell.replace(".", ",") for cell in rows[4]]
+    if fault == "twice":
+        names[-1] = names[0]
+    text = end.join([separator.join(names), *(separator.join(row) for row in rows)]) + end
+    place = tmp_path / "points.csv"
+    place.write_bytes((mark + text).encode("utf-8"))
+    if fault:
+        with pytest.raises(ScenarioError) as caught:
+            read_waypoints(place)
+        line = 1 if fault in ("unknown column", "twice") else 6
+        assert f"points.csv line {line}" in str(caught.value) and "\n" not in str(caught.value)
+        return
+    recorded = read_waypoints(place)
+    np.testing.assert_allclose(recorded.points, places, atol=1e-12)
+    assert ("coordinates taken as m" in recorded.origin) == (not length)
+    assert ("times are not used" in recorded.origin) == bool(times)
+    if attitude:
+        assert recorded.yaw is not None
+        turned = recorded.yaw - recorded.yaw[0] - (yaw - yaw[0])
+        np.testing.assert_allclose(turned, 0.0, atol=1e-9)
+    else:
+        assert recorded.yaw is None

@@ -66,6 +66,7 @@ def read_waypoints(csv_path: FilePath | str) -> RecordedWaypoints:
         raise ScenarioError(f"{path}: {error}; give a CSV file with columns x, y, z in m") from None
     columns: dict[str, float] = {}
     rows: list[tuple[float, ...]] = []
+    header = ""
     for number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
@@ -74,6 +75,7 @@ def read_waypoints(csv_path: FilePath | str) -> RecordedWaypoints:
             is_header = cells[0][:1].isalpha() and cells[0].lower() not in {"nan", "inf", "infinity"}
             columns = _header(cells, f"{path} line {number}") if is_header else dict.fromkeys(_PLACE, 1.0)
             if is_header:
+                header = line
                 continue
         rows.append(_row(cells, list(columns), f"{path} line {number}"))
     if len(rows) < 2:
@@ -87,9 +89,17 @@ def read_waypoints(csv_path: FilePath | str) -> RecordedWaypoints:
             "name the unit in a header line, x_mm,y_mm,z_mm"
         )
     yaw, unused = _yaw(table, str(path))
+    if not _states_a_length(header):
+        unused.insert(0, "coordinates taken as m, since no unit is named")
     if "t" in table:
         unused.append("its times are not used: the timing is planned")
     return RecordedWaypoints(points, yaw, "; ".join([f"{path.name}, {len(rows)} points", *unused]))
+
+
+def _states_a_length(header: str) -> bool:
+    """Whether a header names the unit of a coordinate."""
+    matches = [_CELL.fullmatch(cell.strip()) for cell in re.split("[;,]", header)]
+    return any(match and match[1].lower().rstrip("_") in _PLACE and match[2] for match in matches)
 
 
 def _header(cells: list[str], place: str) -> dict[str, float]:
