@@ -67,6 +67,17 @@ def test_an_arm_without_any_has_those_of_its_chain(tmp_path: Path) -> None:
     assert radii == sorted(radii, reverse=True) and 0.03 < radii[-1] < radii[0] < 0.1
 
 
+def test_where_an_arm_stands_in_its_file_makes_it_no_thicker(tmp_path: Path) -> None:
+    """As one of two arms, 0.8 m beside the origin, it has the capsules that it has at the origin."""
+    radii = []
+    for name, place in (("here", "0 0 0.2"), ("aside", "0 0.8 0.2")):
+        text = arm_text(6).replace('<origin xyz="0 0 0.2" rpy="0 0 0"/>', f'<origin xyz="{place}" rpy="0 0 0"/>', 1)
+        (tmp_path / f"{name}.urdf").write_text(text)
+        scene = scene_of({"urdf": f"{name}.urdf"}, tmp_path, obstacle=[FAR])
+        radii.append([item.radius for item in placed_capsules(scene.robot)])
+    assert radii[0] == pytest.approx(radii[1], abs=1e-12)
+
+
 def test_stated_capsules_take_the_place_of_the_catalogues() -> None:
     entry = {"link": "link_2", "from": ["0 mm", 0.0, 0.0], "to": [0.0, 0.0, "500 mm"], "radius": "90 mm"}
     table = {**VALID, "robot": {**VALID["robot"], "capsule": [entry]}, "obstacle": [FAR]}

@@ -91,7 +91,9 @@ def chain_capsules(tree: UrdfTree, joints: Sequence[str], tip: str) -> tuple[Lin
     """Capsules from joint to joint, thinner towards the flange, for an arm of which nothing else is known."""
     chain, moving = chain_bodies(tree, joints, tip), [item for item in tree.way_to(tip) if turned_by(item, joints)]
     steps = [body.position for body in chain.bodies[1:]] + [chain.flange_position]
-    lengths = [float(np.linalg.norm(step)) for step in (chain.bodies[0].position, *steps)]
+    # of where the arm stands in the file only the height of its shoulder above its foot is a length of the arm
+    foot = abs(float(chain.bodies[0].rotation[:, 2] @ chain.bodies[0].position))
+    lengths = [foot, *(float(np.linalg.norm(step)) for step in steps)]
     total, gone, found = sum(lengths), lengths[0], []
     for joint, step, length in zip(moving, steps, lengths[1:], strict=True):
         lay = z_to(joint.axis)
