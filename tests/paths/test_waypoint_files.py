@@ -138,7 +138,7 @@ def test_drawn_files_are_read_as_what_they_are_or_refused(
         columns |= dict(zip(("qx", "qy", "qz", "qw"), quaternions.T, strict=True))
     elif attitude:
         angles = np.mod(yaw + np.pi, 2.0 * np.pi) - np.pi if flips else yaw
-        columns[f"yaw_{attitude}"] = np.degrees(angles) if attitude == "deg" else angles
+        columns[f"yaw_{attitude}"] = angles * (180.0 / np.pi if attitude == "deg" else 1.0)
     if times:
         columns[times] = 0.1 * np.arange(count)
     if fault == "unknown column":
