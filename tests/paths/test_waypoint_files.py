@@ -131,7 +131,9 @@ def test_drawn_files_are_read_as_what_they_are_or_refused(
     places = np.column_stack([np.linspace(0.4, 0.7, count), np.linspace(-0.3, 0.3, count) ** 3, np.full(count, 0.5)])
     yaw = np.linspace(0.0, 4.0, count)
     factor = LENGTHS.get(length, 1.0)
-    columns = {style.format(axis, length) if length else axis: factor * places[:, i] for i, axis in enumerate("xyz")}
+    columns: dict[str, np.ndarray] = {
+        style.format(axis, length) if length else axis: factor * places[:, i] for i, axis in enumerate("xyz")
+    }
     if attitude == "quaternion":
         signs = np.where(np.arange(count) % 3 == 1, -1.0, 1.0) if flips else np.ones(count)
         quaternions = signs[:, None] * Rotation.from_euler("z", yaw[:, None]).as_quat()
