@@ -60,7 +60,7 @@ def test_a_file_becomes_a_plan_that_passes_its_points(tmp_path: Path) -> None:
     [
         ("1,2,3\n4,5,6\n", "3 columns without a header where the robot has 6 joints"),
         (POINTS.replace("_deg", ""), "at -80 rad, as if the points were in degrees"),
-        (POINTS.replace("20,-80", "20,nan"), 'p.csv line 3: "nan" is not a finite number'),
+        (POINTS.replace("20,-80", "20,nan"), "p.csv: row 3: column shoulder_lift_joint has no finite number"),
     ],
 )
 def test_what_is_refused_is_one_line(points: str, says: str, tmp_path: Path) -> None:

@@ -81,7 +81,7 @@ def test_another_zero_of_a_joint(tmp_path: Path) -> None:
             "t,speed,current\n" + "0,1,2\n" * 30,
             r"no columns of the 2 joints joint_a, joint_b.*found: t, speed, current",
         ),
-        ("t,q1,q2\n0,1,2\n0.1,1,2\n0.2,1", "row 4 has 2 values where 3 are needed; the log stops in the middle"),
+        ("t,q1,q2\n0,1,2\n0.1,1,2\n0.2,1", "row 4 has 2 values where 3 are needed; the file stops in the middle"),
         ("t,q1,q2\n0,1,2\n0.1,x,2\n", 'row 3: "x" in column q1 is not a number'),
         ("t,q1,q1\n" + "0,1,2\n" * 30, "two columns are named q1"),
         ("1;2;3\n" * 30, "3 columns without a header where the robot has 2 joints"),

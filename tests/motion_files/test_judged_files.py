@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 
 from nospill.errors import ScenarioError
@@ -117,5 +118,41 @@ def test_a_tray_that_leans_at_the_first_point_is_refused(plan: Plan, tmp_path: P
     samples = resampled(plan.trajectory, 100.0)
     leaning = replace(samples, position=samples.position + 0.02 * np.eye(6)[4])
     EXPORTERS["joint-trajectory"].write(leaning, plan.scene, tmp_path / "leaning.yaml")
-    with pytest.raises(ScenarioError, match=r"the tray leans by 1\.15 deg at the first point"):
+    with pytest.raises(ScenarioError, match=r"the tray leans by 1\.15 deg at first"):
         judge_file(tmp_path / "leaning.yaml", plan.scene)
+
+
+def test_a_controller_in_the_scene_plays_the_points_late(plan: Plan, files: dict[float, Path]) -> None:
+    """The joints by a first-order lag, as SciPy integrates it, and certified as samples; not the points themselves."""
+    lag = 0.03
+    scene = plan.scene.changed({"controller": {"lag": lag}})
+    judged = judge_file(files[1000.0], scene)
+    assert "the joints follow with the delay and lag of [controller]" in judged.played_text
+    command = judged.played.motion(judged.file.samples)
+    t = np.arange(0.0, judged.file.samples.t[-1] + 0.5, 5e-4)
+    followed = solve_ivp(
+        lambda at, q: (command(np.array([at]))[0] - q) / lag,
+        (0.0, t[-1]),
+        command(np.zeros(1))[0],
+        t_eval=t,
+        rtol=1e-9,
+        atol=1e-11,
+        max_step=2e-3,
+    ).y.T
+    theirs = {row.id: row for row in certify_joints(t, followed, plan.scene).rows}
+    exact = {row.id: row for row in judge_file(files[1000.0], plan.scene).certificate.rows}
+    apart = 0.0
+    for row in judged.certificate.rows:
+        if row.constraint in ("slosh height", "slip", "residual height"):
+            assert row.worst_value == pytest.approx(theirs[row.id].worst_value, rel=5e-3, abs=2e-5), row.id
+            apart = max(apart, abs(row.worst_value / exact[row.id].worst_value - 1.0))
+    assert apart > 0.05  # late joints are another motion
+
+
+def test_tolerances_of_objects_count_for_files_too(plan: Plan, files: dict[float, Path]) -> None:
+    scene = plan.scene.changed({"cargo.0.tolerance": {"liquid_height": "3 mm", "friction": "10 %"}})
+    stated = {row.id: row for row in judge_file(files[1000.0], plan.scene).certificate.rows}
+    with_tolerance = {row.id: row for row in judge_file(files[1000.0], scene).certificate.rows}
+    assert with_tolerance.keys() == stated.keys()
+    worse = [key for key, row in with_tolerance.items() if row.use > stated[key].use + 1e-3 and row.variant]
+    assert {key.constraint for key in worse} >= {"slip", "residual height"}

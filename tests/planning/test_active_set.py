@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nospill.judge.certificate import Judgement
+from nospill.judge.certificate import Judgement, judge_joints
 from nospill.judge.verdict import Certificate, Row
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
 from nospill.laws.like_objects import least_tolerant_objects
 from nospill.laws.scene_parameters import flange_load, structure_of
+from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
 from nospill.planning.log import Log
@@ -345,3 +346,40 @@ def test_what_is_violated_outside_the_problem_joins_and_the_answer_is_that_of_th
         assert judged.judgement.certificate.ok
         assert judged.candidate.active.members >= first and len(judged.candidate.active.members) > 1
         assert judged.trajectory.end_time == pytest.approx(found.duration, rel=2e-3)
+
+
+def test_distances_join_once_the_joints_are_in_their_ranges() -> None:
+    """Where a joint is 39 deg beyond its range the tray is inside a link: the joint's row joins, the distance waits."""
+    scene = scene_from_table(
+        {
+            "robot": {"model": "franka-fr3"},
+            "tray": {"size": [0.2, 0.2], "mass": 0.2, "offset": 0.06, "friction": 0.2},
+            "cargo": [
+                {
+                    "name": "box",
+                    "at": [0, 0],
+                    "shape": "box",
+                    "length": 0.08,
+                    "width": 0.08,
+                    "height": 0.06,
+                    "mass": 0.4,
+                }
+            ],
+            "path": {"type": "line", "start": [0.45, -0.2, 0.5], "end": [0.45, 0.2, 0.5]},
+        },
+        name="beyond",
+    )
+    task, t = Task.of(scene, ()), np.arange(501) / 500.0
+    turned = np.outer(10 * t**3 - 15 * t**4 + 6 * t**5, np.radians([5.0, 0, 0, 0, 0, 0, 0]))
+    within = ActiveSet.of(task, np.radians([[-106.0, 78, 87, -132, 97, 79, -25]]) + turned)
+    beyond = np.radians([20.0, 16, -42, -138, 200, 31, 38]) + turned
+    judgement = judge_joints(Trajectory.of_joints(t, scene.robot.joints, beyond), scene)
+    broken = {row.id for row in judgement.variant_rows if row.shortfall > 0.0}
+    joint, distance = RowId("joint position", "fr3_joint5"), RowId("clearance", "tray to fr3_link5")
+    assert {joint, distance} <= broken and distance not in within.rows
+    # what the optimiser left out as far away
+    following = replace(within, rows=within.rows - {row for row in broken if row.constraint == joint.constraint}).after(
+        judgement
+    )
+    assert joint in following.rows and distance not in following.rows
+    assert distance in following.after(judgement).rows  # no row is left out for good

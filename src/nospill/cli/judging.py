@@ -80,6 +80,7 @@ def _table(judged: JudgedMotion) -> dict[str, Any]:
         "motion": judged.file.origin,
         "read": judged.file.read,
         "played_as": judged.played.name,
+        "through_controller": judged.scene.controller is not None,
         "not_judged": NOT_JUDGED,
         "ok": certificate.ok,
         "failures": judged.failures(),
@@ -91,7 +92,7 @@ def _print(judged: JudgedMotion, *, everything: bool) -> None:
     from nospill.judge.wording import finding
     from nospill.motion_files.judging import NOT_JUDGED
 
-    print_lines(f"read: {judged.file.read}", f"played as {judged.played.title}")
+    print_lines(f"read: {judged.file.read}", judged.played_text)
     print_certificate(judged.certificate, judged.scene, everything=everything)
     print_lines(f"not judged: {NOT_JUDGED}")
     for failure in judged.failures():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,16 +13,13 @@ from nospill.cli.reporting import one_line
 from nospill.cli.tables import say
 from nospill.errors import NoSolutionError, ScenarioError
 
-if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.scene.scene import Scene
-
 
 def retime(
     motion: Annotated[
         Path,
         typer.Argument(
             metavar="FILE",
-            help="Joint positions: CSV, a JointTrajectory as YAML or JSON, or a plan folder. Times are left out.",
+            help="Joint positions: CSV, arrays, JointTrajectory as YAML, JSON or bag, plan folder. Times are left out.",
         ),
     ],
     scenario: Annotated[
@@ -33,12 +30,22 @@ def retime(
         typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
     ] = None,
     join: Annotated[
-        str, typer.Option(metavar="HOW", help="Corners between points: rounded, stops, or a spline through them.")
-    ] = "rounded",
+        str | None,
+        typer.Option(
+            metavar="HOW",
+            help="Corners between points: rounded, stops, or a spline through them.",
+            show_default="rounded",
+        ),
+    ] = None,
     joint_tolerance: Annotated[
-        str, typer.Option(metavar="ANGLE", help="How far a rounded corner is from the points, of a joint.")
-    ] = "1 deg",
-    tray_tolerance: Annotated[str, typer.Option(metavar="LENGTH", help="The same of the tray's centre.")] = "5 mm",
+        str | None,
+        typer.Option(
+            metavar="ANGLE", help="How far a rounded corner is from the points, of a joint.", show_default="1 deg"
+        ),
+    ] = None,
+    tray_tolerance: Annotated[
+        str | None, typer.Option(metavar="LENGTH", help="The same of the tray's centre.", show_default="5 mm")
+    ] = None,
 ) -> int:
     """Time a path of the joints anew: as fast as arm, liquids and objects allow, and certified.
 
@@ -46,6 +53,7 @@ def retime(
     """
     with ProgressLine(PLANNING_STEPS) as progress:
         from nospill.core.files import require_replaceable
+        from nospill.planning.retiming import retimed_scene
         from nospill.plans.loading import require_no_own_limits
         from nospill.plans.names import is_plan_folder
         from nospill.scenario import read_scenario
@@ -53,13 +61,9 @@ def retime(
         if output is not None:
             require_replaceable(output, replaceable=is_plan_folder)
         require_no_own_limits(scenario)
-        scene = _with_path(
-            motion,
-            read_scenario(scenario),
-            join=join,
-            joint_tolerance=joint_tolerance,
-            tray_tolerance=tray_tolerance,
-        )
+        stated = {"join": join, "joint_tolerance": joint_tolerance, "tray_tolerance": tray_tolerance}
+        keys = {key: value for key, value in stated.items() if value is not None}
+        scene = retimed_scene(motion, read_scenario(scenario), **keys)
         for note in scene.path.notes:
             say(f"path: {one_line(note)}")
         progress.say(LOADING)
@@ -75,9 +79,3 @@ def retime(
     if not found.certificate.ok:
         say(one_line(found.message))
     return 0 if found.certificate.ok else 1
-
-
-def _with_path(motion: Path, scene: Scene, **keys: str) -> Scene:
-    from nospill.planning.retiming import retimed_scene
-
-    return retimed_scene(motion, scene, **keys)

@@ -60,7 +60,8 @@ def found_clock(origin: str, columns: Mapping[str, np.ndarray], units: Mapping[s
     if pair is not None:
         whole, part = pair
         # relative first, so that nanoseconds stay in what a float keeps of seconds since 1970
-        t = (columns[whole] - columns[whole][0]) + 1e-9 * columns[part]
+        first = columns[whole][np.isfinite(columns[whole])][:1]
+        t = (columns[whole] - (first[0] if len(first) else 0.0)) + 1e-9 * columns[part]
         return Clock(t, f"time from {whole} and {part}", pair)
     named = sorted(filter(_NAMED.search, columns), key=lambda name: (_rank(name), list(columns).index(name)))
     even = [name for name in named if _is_clock(columns[name])]

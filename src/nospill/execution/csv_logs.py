@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from nospill.core.text_tables import read_text_table
 from nospill.core.units import as_written
 from nospill.errors import ScenarioError
 from nospill.execution.log import RawLog
-from nospill.execution.text_tables import read_text_table
 
 
 def read_table(path: str | os.PathLike[str], *, joints: int) -> RawLog:

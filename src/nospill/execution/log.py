@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -12,16 +11,14 @@ import numpy as np
 from nospill.core.units import listed
 from nospill.errors import ScenarioError
 from nospill.execution.clocks import Clock, found_clock, is_named, missing_clock, rows_clock
+from nospill.paths.joint_points import TURN, joint_columns, missing_joint_columns, whole_turns
 
-_POSITIONS = ("actual_q", "q_actual", "q", "joint", "joint_position", "joint_pos", "position", "pos", "axis", "j", "a")
-"""Names that a row of numbered columns of positions may have, the first that is there; `actual_q` is RTDE's."""
 _COMMANDS = ("target_q", "q_target", "command", "q_command", "q_cmd", "desired", "q_desired", "reference")
-"""Likewise, of the positions that the controller asked for at the same instants."""
-_NUMBERED = re.compile(r"(.*?)_?(\d+)")
+"""Names of a row of numbered columns of the positions that the controller asked for at the same instants."""
 _LEAST_ROWS = 20
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
-_WRAPPED, _TURN = 0.5, 2.0 * math.pi
-"""rad; a step that is this near to a whole turn is a wrap of the counting and no motion."""
+_SHOWN = 8
+"""Columns that are not read are named, up to so many."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,14 +89,11 @@ def log_of_joints(
         ScenarioError: no such columns, another number of them, an offset of an unknown joint, no times, too few rows,
             time that runs backwards.
     """
-    chosen = _chosen(raw, joints, _POSITIONS)
+    chosen = joint_columns(raw.columns, joints, origin=raw.origin)
     if chosen is None:
-        known = ", ".join(raw.columns)[:120] or "none"
-        raise ScenarioError(
-            f"{raw.origin}: no columns of the {len(joints)} joints {', '.join(joints)}; columns with these names, or "
-            f"{_range('q', len(joints))} in their order, are needed; found: {known}"
-        )
-    asked = _chosen(raw, [f"{name}_command" for name in joints], _COMMANDS, strict=False)
+        raise missing_joint_columns(raw.columns, joints, raw.origin)
+    commands = [f"{name}_command" for name in joints]
+    asked = joint_columns(raw.columns, commands, _COMMANDS, origin=raw.origin, strict=False)
     clock = _clock(raw, rate, {*chosen, *(asked or ())})
     for name in (*chosen, *clock.columns):
         if name in raw.wrong:
@@ -128,8 +122,18 @@ def log_of_joints(
         said,
         *([f"{np.count_nonzero(~whole):,} rows without a number left out"] if not np.all(whole) else []),
         *turned,
+        _unread(raw, {*chosen, *(asked or ()), *clock.columns}),
     ]
     return JointLog(raw.origin, t, tuple(joints), position, command, ", ".join(part for part in parts if part))
+
+
+def _unread(raw: RawLog, used: set[str]) -> str:
+    """Which columns were left out."""
+    others = [name for name in raw.columns if name not in used]
+    if not others:
+        return ""
+    more = f" and {len(others) - _SHOWN} more" if len(others) > _SHOWN else ""
+    return f"columns not read: {', '.join(others[:_SHOWN])}{more}"
 
 
 def _clock(raw: RawLog, rate: float | None, joints: set[str]) -> Clock:
@@ -137,7 +141,7 @@ def _clock(raw: RawLog, rate: float | None, joints: set[str]) -> Clock:
     if raw.stamps is not None:
         return Clock(raw.stamps, raw.said, ())
     others = {name: values for name, values in raw.columns.items() if name not in joints}
-    if not raw.named or not others:
+    if not raw.named:
         return rows_clock(len(next(iter(raw.columns.values()))), rate)
     clock = None if rate is not None and not is_named(others) else found_clock(raw.origin, others, raw.units)
     if clock is not None and rate is not None:
@@ -170,37 +174,11 @@ def _unwrapped(position: np.ndarray, joints: Sequence[str]) -> list[str]:
     said = []
     for column, name in enumerate(joints):
         steps = np.diff(position[:, column])
-        turns = np.round(steps / _TURN)
-        turns[np.abs(steps - _TURN * turns) > _WRAPPED] = 0.0
+        turns = whole_turns(steps)
         if np.any(turns):
-            position[1:, column] -= _TURN * np.cumsum(turns)
+            position[1:, column] -= TURN * np.cumsum(turns)
             said.append(f"{name} counted on over {np.count_nonzero(turns)} jumps of a whole turn")
     return said
-
-
-def _chosen(raw: RawLog, names: Sequence[str], families: Sequence[str], *, strict: bool = True) -> list[str] | None:
-    """The columns with these names, else the first family of numbered ones; None where there is neither."""
-    wanted = [name.lower() for name in names]
-    for ending in ("", "_position", "_pos"):
-        if all(f"{name}{ending}" in raw.columns for name in wanted):
-            return [f"{name}{ending}" for name in wanted]
-    numbered: dict[str, dict[int, str]] = {}
-    for column in raw.columns:
-        match = _NUMBERED.fullmatch(column)
-        if match is not None:
-            numbered.setdefault(match[1], {})[int(match[2])] = column
-    for family in families:
-        found = numbered.get(family)
-        if found is None:
-            continue
-        if len(found) == len(names):
-            return [found[number] for number in sorted(found)]
-        if strict:
-            raise ScenarioError(
-                f"{raw.origin}: {len(found)} columns {_range(family, len(found))} where the robot has {len(names)} "
-                "joints: this is the log of another robot, or of more axes; name the columns as the joints are named"
-            )
-    return None
 
 
 def _check_clock(origin: str, t: np.ndarray) -> None:
@@ -210,7 +188,3 @@ def _check_clock(origin: str, t: np.ndarray) -> None:
     if len(back):
         row = int(back[0])
         raise ScenarioError(f"{origin}: time runs backwards from {t[row]:g} s to {t[row + 1]:g} s; give one run a file")
-
-
-def _range(family: str, count: int) -> str:
-    return f"{family}1 to {family}{count}"

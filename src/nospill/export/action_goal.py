@@ -26,7 +26,7 @@ from nospill.scene.scene import Scene
 GOAL_TYPE = "control_msgs/action/FollowJointTrajectory"
 ACTION = "/joint_trajectory_controller/follow_joint_trajectory"
 SUFFIX = ".goal.yaml"
-ROOM = 2.0
+_FACTOR = 2.0
 """Path tolerance over the distance that the stated delay and lag put a joint behind its command."""
 LEAST_TOLERANCE = 2e-3
 """rad; of the path, and of the goal: what is left at rest."""
@@ -47,7 +47,7 @@ def path_tolerances(samples: JointSamples, controller: Controller) -> np.ndarray
     done = followed(command, controller, start, stop)
     t = np.linspace(start, stop + settled_after(controller), _FINENESS * len(samples.t))
     behind = np.abs(done(t - controller.latest) - command(t))
-    return np.maximum(ROOM * np.max(behind, axis=0), LEAST_TOLERANCE)
+    return np.maximum(_FACTOR * np.max(behind, axis=0), LEAST_TOLERANCE)
 
 
 def _tolerance_lines(samples: JointSamples, scene: Scene, sent: Addressed) -> list[str]:

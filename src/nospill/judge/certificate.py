@@ -210,6 +210,30 @@ def judge_joints(
     return _judge(trajectory, of_joints_alone(scene), motion=motion, rate=rate, points=_OF_JOINTS)
 
 
+def judge_command(
+    trajectory: Trajectory, scene: Scene, *, motion: JointMotion, rate: float = MINIMUM_RATE
+) -> Judgement:
+    """`judge_joints` of what the joints make of a command that nobody has compensated.
+
+    With a controller in the scene they follow it late, as its delay and lag say, and the command itself has rows of
+    position and speed; without one they do what they are asked for.
+
+    Args:
+        trajectory: the command as samples, from rest to rest.
+        scene: what must be kept to.
+        motion: the command between the samples.
+        rate: Hz, the least rate of the grid.
+    """
+    late = None if scene.controller is None else replace(scene.controller, compensate=False)
+    run = run_of(trajectory, late, motion)
+    judgement = judge_joints(run.record, scene, motion=run.motion, rate=rate)
+    if run.command is None:
+        return judgement
+    rows = condensed([*judgement.certificate.rows, *map(worst_row, command_traces(scene, run.command))])
+    ok = all(row.ok for row in rows) and not scene.unjudged
+    return replace(judgement, certificate=replace(judgement.certificate, ok=ok, rows=rows))
+
+
 def _judge(
     held: Trajectory,
     scene: Scene,

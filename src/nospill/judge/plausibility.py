@@ -18,6 +18,8 @@ COARSEST = 0.25
 """s; usual distance of samples: the spline through coarser ones is no statement about what an arm does."""
 FASTEST_GRID = 1e5
 """Hz; of the judge's grid."""
+_LEVEL = 2e-3
+"""rad; a liquid at rest in a cup of 50 mm that leans by this stands 0.1 mm off its level."""
 _TURN = 2.0 * math.pi
 """rad; beyond the range of a joint, positions are in another unit."""
 
@@ -54,6 +56,24 @@ def unlikely_units(t: np.ndarray, position: np.ndarray, robot: Robot, *, coarses
             "in rad"
         )
     return None
+
+
+def require_level(position: np.ndarray, scene: Scene, origin: str) -> None:
+    """Raise ScenarioError where a tray with liquids leans as a motion begins: they are taken to be level in their cups.
+
+    Args:
+        position: (n,) of the joints at first, rad.
+        scene: with tray and cargo.
+        origin: what the motion is from, for the message.
+    """
+    if not any(cargo.filling for cargo in scene.cargo):
+        return
+    lean = lean_at(position, scene)
+    if lean > _LEVEL:
+        raise ScenarioError(
+            f"{origin}: the tray leans by {np.degrees(lean):.3g} deg at first, where liquids are taken to be level: "
+            "begin with a level tray; or the joints are in another order, of another arm or tool"
+        )
 
 
 def lean_at(position: np.ndarray, scene: Scene) -> float:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from nospill.core.attitudes import angles_between, matrices, tilt_of, tray_quaternions, yaw_of
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.judge.path_deviation import between_samples
-from nospill.judge.plausibility import unlikely_units
+from nospill.judge.plausibility import require_level, unlikely_units
 from nospill.judge.replay import Replay
 from nospill.judge.verdict import Trace, limit_trace
 from nospill.laws.constraints.tilt import TILT_ANGLES, Tilt
@@ -99,6 +99,7 @@ def joint_record(t: ArrayLike, q: ArrayLike, scene: object) -> Trajectory:
     reason = unlikely_units(times, positions, scene.robot)
     if reason is not None:
         raise ScenarioError(f"t and q: {reason}")
+    require_level(positions[0], scene, "t and q")
     motion = Trajectory.of_joints(times, names, positions).motion
     return Trajectory.of_joints(times, names, positions, motion(times, 1), motion(times, 2))
 

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from nospill.errors import ScenarioError
-from nospill.judge.certificate import Judgement, judge_joints
-from nospill.judge.plausibility import lean_at, require_rate
+from nospill.judge.certificate import Judgement, judge_command
+from nospill.judge.plausibility import require_level, require_rate
 from nospill.judge.replay import MINIMUM_RATE
 from nospill.judge.verdict import Certificate, Trace
 from nospill.laws.constraints import constrained
@@ -26,8 +25,6 @@ from nospill.scene.scene import Scene
 
 NOT_JUDGED = "path, corridor, tilt and goal of the plan, jerks"
 """What joint points do not say."""
-_LEVEL = 2e-3
-"""rad; a liquid at rest in a cup of 50 mm that leans by this stands 0.1 mm off its level."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +42,12 @@ class JudgedMotion:
     played: Interpolation
     judgement: Judgement
     scene: Scene
+
+    @property
+    def played_text(self) -> str:
+        """How the points are played, in one line."""
+        late = "; the joints follow with the delay and lag of [controller]" if self.scene.controller else ""
+        return f"played as {self.played.title}{late}"
 
     @property
     def certificate(self) -> Certificate:
@@ -90,7 +93,8 @@ def judge_file(
 ) -> JudgedMotion:
     """Judge a motion that somebody planned, from rest to rest, as the arm plays it.
 
-    Points are taken as they are. Judged is what `certify_joints` judges: limits of the arm, objects, liquids and
+    Points are taken as they are; where the scene has a [controller] they are its command, which the joints follow with
+    its delay and lag. Judged is what `certify_joints` judges: limits of the arm, objects, liquids and
     clearances, during the motion and ever after.
 
     Args:
@@ -112,20 +116,11 @@ def judge_file(
     chosen = usual_receiver(file.samples) if receiver is None else receiver_named(receiver)
     played = interpolation_of(chosen, file.samples, scene.output_rate, file.origin)
     motion = played.motion(file.samples)
-    _require_level(file, scene)
+    require_level(file.samples.position[0], scene, file.origin)
     even = sampled(motion, 0.0, float(file.samples.t[-1]), scene.output_rate)
     record = Trajectory.of_joints(even.t, scene.robot.joints, even.position, even.speed, even.acceleration)
-    judgement = judge_joints(record, constrained(scene, constraints), motion=motion, rate=rate)
+    judgement = judge_command(record, constrained(scene, constraints), motion=motion, rate=rate)
     return JudgedMotion(file, played, judgement, scene)
-
-
-def _require_level(file: MotionFile, scene: Scene) -> None:
-    lean = lean_at(file.samples.position[0], scene)
-    if lean > _LEVEL and any(cargo.filling for cargo in scene.cargo):
-        raise ScenarioError(
-            f"{file.origin}: the tray leans by {np.degrees(lean):.3g} deg at the first point, where liquids are "
-            "taken to be level: begin with a level tray; or the joints are in another order, of another arm or tool"
-        )
 
 
 def _first_failing(trace: Trace | None, worst: float) -> float:

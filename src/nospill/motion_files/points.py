@@ -1,4 +1,4 @@
-"""Points of a joint motion as a file holds them, put into the joints of a robot."""
+"""Points of a file as a motion of a robot, from rest to rest."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from nospill.core.units import listed
 from nospill.errors import ScenarioError
 from nospill.judge.plausibility import unlikely_units
 from nospill.motion.interpolation import JointSamples
+from nospill.paths.joint_points import ACCELERATION, POSITION, SPEED, NamedPoints, whole_turns
 from nospill.robots.robot import Robot
 
-POSITION, SPEED, ACCELERATION = "positions", "speeds", "accelerations"
-"""Columns that points may have, the first always."""
 AT_REST = 1e-3
 """rad/s; a motion whose first or last point is faster does not begin or end at rest."""
 _SPEED_FACTOR, _JUMP = 3.0, 1.0
@@ -35,30 +34,6 @@ class MotionFile:
     samples: JointSamples
     read: str
 
-    @property
-    def has_speeds(self) -> bool:
-        """Whether every point has speeds."""
-        return self.samples.speed is not None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class NamedPoints:
-    """Points as they were read, before a robot is known.
-
-    Attributes:
-        origin: the file, as messages name it.
-        t: (m,) s.
-        joints: names of the columns; None where the file has none, which are those of the robot then.
-        columns: (m, k) by `POSITION`, `SPEED`, `ACCELERATION`: rad, rad/s, rad/s^2.
-        times: where the times are from, as the line of what was read says it.
-    """
-
-    origin: str
-    t: np.ndarray
-    joints: tuple[str, ...] | None
-    columns: dict[str, np.ndarray]
-    times: str
-
 
 def motion_of(points: NamedPoints, robot: Robot) -> MotionFile:
     """Points as a motion of a robot: its joints in its order, times from 0, from rest to rest.
@@ -69,8 +44,12 @@ def motion_of(points: NamedPoints, robot: Robot) -> MotionFile:
             that moves.
     """
     origin, joints = points.origin, robot.joints
-    order, others = _order(points, robot)
+    order, others = points.order(joints)
     columns = {name: values[:, order] for name, values in points.columns.items()}
+    if points.t is None:
+        raise ScenarioError(
+            f"{origin}: has no time for every point (t, dt, time_from_start); nospill retime finds the fastest ones"
+        )
     t = points.t - points.t[0] if len(points.t) else points.t
     _check_numbers(origin, t, columns)
     position = columns[POSITION]
@@ -91,35 +70,6 @@ def motion_of(points: NamedPoints, robot: Robot) -> MotionFile:
     left_out = f"; left out: {', '.join(others)}" if others else ""
     read = f"{len(t):,} points over {t[-1]:.3f} s, {columns_read}, {by}, {points.times}{left_out}"
     return MotionFile(origin, JointSamples(t, position, columns.get(SPEED), columns.get(ACCELERATION)), read)
-
-
-def _order(points: NamedPoints, robot: Robot) -> tuple[list[int], list[str]]:
-    """Columns of the robot's joints, and the names of the others."""
-    wanted, count = robot.joints, points.columns[POSITION].shape[1]
-    if points.joints is None:
-        if count != len(wanted):
-            raise ScenarioError(
-                f"{points.origin}: {count} columns of positions without names where {robot.name} has {len(wanted)} "
-                f"joints: {', '.join(wanted)}"
-            )
-        return list(range(count)), []
-    names = list(points.joints)
-    if len(names) != count or len(set(names)) != count:
-        raise ScenarioError(f"{points.origin}: {len(names)} joint names ({', '.join(names)[:120]}), {count} positions")
-    plain = [_bare(name) for name in names]
-    places = [plain.index(_bare(name)) if plain.count(_bare(name)) == 1 else -1 for name in wanted]
-    missing = [name for name, place in zip(wanted, places, strict=True) if place < 0]
-    if missing:
-        raise ScenarioError(
-            f"{points.origin}: its joints are {', '.join(names)[:160]}; {listed(tuple(missing), last='and')} of "
-            f"{robot.name} are not among them: this is the motion of another arm, or its joints have other names there"
-        )
-    return places, [name for index, name in enumerate(names) if index not in places]
-
-
-def _bare(name: str) -> str:
-    """A joint's name without the prefix that namespaces put before it ("left/", "robot1::")."""
-    return name.replace("::", "/").rsplit("/", 1)[-1].casefold()
 
 
 def _check_numbers(origin: str, t: np.ndarray, columns: dict[str, np.ndarray]) -> None:
@@ -145,8 +95,7 @@ def _check_steps(origin: str, t: np.ndarray, position: np.ndarray, robot: Robot)
     use = steps / (np.diff(t)[:, None] * robot.max_speed)
     row, joint = np.unravel_index(int(np.argmax(use)), use.shape)
     step = float(steps[row, joint])
-    turns = round(step / (2.0 * math.pi))
-    by_turns = turns > 0 and abs(step - 2.0 * math.pi * turns) < _JUMP
+    by_turns = whole_turns(steps)[row, joint] > 0.0
     if use[row, joint] > (1.0 if by_turns else _SPEED_FACTOR) and step > _JUMP:
         reason = (
             "it is off by whole turns: unwrap it" if by_turns else "another configuration of the arm, or times not in s"

@@ -11,8 +11,10 @@ from nospill.execution.reading import read_log
 from nospill.export import EXPORTERS, Exporter
 from nospill.export.rosbag2 import joint_trajectory_messages
 from nospill.motion.interpolation import JointSamples
-from nospill.motion_files import arrays, messages
-from nospill.motion_files.points import POSITION, MotionFile, NamedPoints, motion_of
+from nospill.motion_files.points import MotionFile, motion_of
+from nospill.paths.joint_files import ARRAYS, MESSAGES, named_points
+from nospill.paths.joint_messages import message_points
+from nospill.paths.joint_points import POSITION, NamedPoints
 from nospill.scene.scene import Scene
 
 _LOG = "a log of what an arm did is judged by nospill executed"
@@ -38,30 +40,31 @@ def read_motion(path: str | Path, scene: Scene, *, unit: str = "rad", rate: floa
     own = _exporter(place)
     if own is not None:
         return _of_exporter(own, place, scene)
-    suffix = place.suffix.lower()
-    if is_table(place) and suffix not in (*messages.SUFFIXES, *arrays.SUFFIXES):
+    if is_table(place) and place.suffix.lower() not in (*MESSAGES, *ARRAYS):
         log = read_log(place, scene.robot, unit=unit, rate=rate)
-        points = NamedPoints(log.origin, log.t, log.joints, {POSITION: log.position}, "")
+        points = NamedPoints(log.origin, log.joints, {POSITION: log.position}, log.t)
         return replace(motion_of(points, scene.robot), read=log.read)
-    return motion_of(_points(place, suffix), scene.robot)
+    return motion_of(named_points_at(place), scene.robot)
 
 
-def _points(place: Path, suffix: str) -> NamedPoints:
-    if suffix == ".json" and arrays.has_arrays(place):
-        return arrays.read_json_arrays(place)
-    if suffix in messages.SUFFIXES:
-        return messages.read_message(place)
-    if suffix in arrays.SUFFIXES:
-        return arrays.read_arrays(place)
-    found = [table for table in joint_trajectory_messages(place) if table["points"]]
-    if len(found) != 1:
-        raise ScenarioError(f"{place}: holds {len(found)} messages JointTrajectory with points, one is needed; {_LOG}")
-    return messages.message_points(found[0], str(place))
+def named_points_at(place: Path) -> NamedPoints:
+    """The points of a message, of arrays, or of the one JointTrajectory in a ROS bag.
+
+    Raises:
+        ScenarioError: it cannot be read, or holds no such points.
+        MissingExtraError: a bag, without rosbags.
+    """
+    if place.suffix.lower() in (*MESSAGES, *ARRAYS):
+        return named_points(place)
+    filled = [table for table in joint_trajectory_messages(place) if table["points"]]
+    if len(filled) != 1:
+        raise ScenarioError(f"{place}: holds {len(filled)} messages JointTrajectory with points, one is needed; {_LOG}")
+    return message_points(filled[0], str(place))
 
 
 def _exporter(place: Path) -> Exporter | None:
     """The format of a file that only nospill writes, by its name."""
-    read_here = (*messages.SUFFIXES, *arrays.SUFFIXES, ".rosbag2")
+    read_here = (*MESSAGES, *ARRAYS, ".rosbag2")
     for exporter in EXPORTERS.values():
         ours = [suffix for suffix in exporter.suffixes if suffix not in read_here]
         if place.name.endswith(tuple(ours)) or place.name == exporter.plan_file:

@@ -9,11 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from nospill.core.files import UnreadableError, bounded_text, parsed_json
 from nospill.errors import ScenarioError
-from nospill.motion_files.points import ACCELERATION, POSITION, SPEED, NamedPoints
+from nospill.paths.joint_points import ACCELERATION, POSITION, SPEED, NamedPoints
 
-SUFFIXES = (".npz",)
 _TIMES, _STEPS = ("t", "time", "times", "ts"), ("dt", "interpolation_dt", "time_step")
 _NAMES = ("joint_names", "joints", "names")
 _COLUMNS = {
@@ -27,35 +25,26 @@ def read_arrays(path: Path) -> NamedPoints:
     """Read arrays by their names: times or a step, positions, and speeds, accelerations and joint names perhaps.
 
     Raises:
-        ScenarioError: the file cannot be read, or lacks times or positions.
+        ScenarioError: the file cannot be read, or lacks positions.
     """
     try:
         with np.load(path, allow_pickle=False) as archive:
             arrays: dict[str, Any] = {name: archive[name] for name in archive.files}
     except (OSError, ValueError, zipfile.BadZipFile, EOFError) as error:
         raise ScenarioError(f"{path}: is no archive of NumPy arrays ({' '.join(str(error).split())[:120]})") from None
-    return named_points(arrays, str(path))
+    return named_arrays(arrays, str(path))
 
 
-def has_arrays(path: Path) -> bool:
-    """Whether a JSON file holds arrays by name at its top, and no message."""
-    try:
-        table = parsed_json(bounded_text(path, 100_000_000))
-    except (ValueError, UnreadableError):
-        return False
-    return isinstance(table, dict) and _first(table, _COLUMNS[POSITION]) is not None
+def are_arrays(table: object) -> bool:
+    """Whether a table, as JSON holds one, has arrays of positions by name."""
+    return isinstance(table, Mapping) and _first(table, _COLUMNS[POSITION]) is not None
 
 
-def read_json_arrays(path: Path) -> NamedPoints:
-    """Likewise from JSON, `{"joint_names": [...], "dt": 0.02, "position": [[...], ...]}`."""
-    return named_points(parsed_json(bounded_text(path, 100_000_000)), str(path))
-
-
-def named_points(arrays: Mapping[str, Any], origin: str) -> NamedPoints:
+def named_arrays(arrays: Mapping[str, Any], origin: str) -> NamedPoints:
     """The points of arrays by name.
 
     Raises:
-        ScenarioError: no positions, neither times nor a step, or an array that is no table of numbers.
+        ScenarioError: no positions, a step that is none, or an array that is no table of numbers.
     """
     chosen = {column: _first(arrays, names) for column, names in _COLUMNS.items()}
     if chosen[POSITION] is None:
@@ -75,13 +64,10 @@ def named_points(arrays: Mapping[str, Any], origin: str) -> NamedPoints:
             raise ScenarioError(f"{origin}: {step} is {str(arrays[step])[:60]}; one step above 0 s is needed")
         t, said = size[0] * np.arange(count), f"time from {step} = {size[0]:g} s"
     else:
-        raise ScenarioError(
-            f"{origin}: neither times ({', '.join(_TIMES)}) nor a step ({', '.join(_STEPS)}) are there; it holds "
-            f"{', '.join(arrays)[:120]}"
-        )
+        t, said = None, ""
     named = _first(arrays, _NAMES)
     joints = None if named is None else tuple(map(str, np.asarray(arrays[named]).reshape(-1).tolist()))
-    return NamedPoints(origin, t, joints, columns, said)
+    return NamedPoints(origin, joints, columns, t, said)
 
 
 def _first(arrays: Mapping[str, Any], names: tuple[str, ...]) -> str | None:

@@ -5,46 +5,60 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from nospill.core.files import UnreadableError, bounded_text, parsed_json
+from nospill.core.units import number_written
 from nospill.errors import ScenarioError
-from nospill.motion_files.points import ACCELERATION, POSITION, SPEED, NamedPoints
+from nospill.paths.joint_points import ACCELERATION, POSITION, SPEED, NamedPoints
 
-SUFFIXES = (".yaml", ".yml", ".json")
 _LARGEST_FILE = 100_000_000
 _COLUMNS = {"positions": POSITION, "velocities": SPEED, "accelerations": ACCELERATION}
 _DEEPEST = 6
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_OF_YAML = (".yaml", ".yml")
 
 
-def read_message(path: Path) -> NamedPoints:
-    """Read the one JointTrajectory that a file of YAML or JSON holds, at whatever depth.
+def read_tables(path: Path) -> list[Any]:
+    """What a file of YAML or JSON holds, document by document.
 
     Raises:
-        ScenarioError: the file cannot be read, or holds none or several; a point lacks something.
+        ScenarioError: it cannot be read, or is neither.
     """
     try:
         text = bounded_text(path, _LARGEST_FILE)
     except UnreadableError as error:
         raise ScenarioError(f"{path}: {error}") from None
+    if path.suffix.lower() not in _OF_YAML:
+        try:
+            return [parsed_json(text)]
+        except ValueError as error:
+            raise ScenarioError(f"{path}: is not JSON ({' '.join(str(error).split())[:160]})") from None
+    import yaml  # slow to import, and needed for these files only
+
     try:
-        documents = [parsed_json(text)] if path.suffix == ".json" else list(yaml.load_all(text, Loader=_LOADER))
+        return list(yaml.load_all(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)))
     except (ValueError, yaml.YAMLError, RecursionError) as error:
-        raise ScenarioError(f"{path}: is no {path.suffix[1:].upper()} ({' '.join(str(error).split())[:160]})") from None
-    tables = [table for document in documents for table in _trajectories(document, _DEEPEST)]
-    filled = [table for table in tables if table["points"]]
+        raise ScenarioError(f"{path}: is not YAML ({' '.join(str(error).split())[:160]})") from None
+
+
+def message_of(tables: Sequence[Any], origin: str) -> NamedPoints:
+    """The points of the one JointTrajectory in some tables, at whatever depth.
+
+    Raises:
+        ScenarioError: there is none or several; a point lacks something.
+    """
+    found = [table for document in tables for table in _trajectories(document, _DEEPEST)]
+    filled = [table for table in found if table["points"]]
     if len(filled) != 1:
         count = f"{len(filled)} of them" if filled else "none with points"
         raise ScenarioError(
-            f"{path}: a message with one JointTrajectory (joint_names, points) is needed; it holds {count}"
+            f"{origin}: a message with one JointTrajectory (joint_names, points) is needed; it holds {count}"
         )
-    return message_points(filled[0], str(path))
+    return message_points(filled[0], origin)
 
 
 def _trajectories(table: Any, depth: int) -> Iterator[dict[str, Any]]:
@@ -66,11 +80,11 @@ def message_points(table: dict[str, Any], origin: str) -> NamedPoints:
     """The points of one JointTrajectory.
 
     Args:
-        table: with `joint_names` and `points`, each with `positions` and `time_from_start` at least.
+        table: with `joint_names` and `points`, each with `positions` at least.
         origin: the file, for messages.
 
     Raises:
-        ScenarioError: a point lacks positions or a time, or some have what others lack.
+        ScenarioError: a point lacks positions, or some have what others lack.
     """
     joints, points = table["joint_names"], table["points"]
     if not isinstance(joints, list) or not all(isinstance(name, str) for name in joints):
@@ -80,7 +94,8 @@ def message_points(table: dict[str, Any], origin: str) -> NamedPoints:
         where = f"{origin}: point {number}"
         if not isinstance(point, dict):
             raise ScenarioError(f"{where} is {str(point)[:60]}, no point of a trajectory")
-        t.append(_seconds(point.get("time_from_start"), where))
+        if "time_from_start" in point:
+            t.append(_seconds(point["time_from_start"], where))
         for name, rows in columns.items():
             cells = point.get(name) or []
             if cells:
@@ -89,14 +104,24 @@ def message_points(table: dict[str, Any], origin: str) -> NamedPoints:
         if len(rows) not in (0, len(points)) or (name == "positions" and not rows):
             raise ScenarioError(f"{origin}: {len(rows)} of {len(points)} points have {name}; all or none are needed")
     arrays = {_COLUMNS[name]: np.array(rows, dtype=float) for name, rows in columns.items() if rows}
-    return NamedPoints(origin, np.array(t), tuple(joints), arrays, "time from time_from_start")
+    timed = len(t) == len(points)
+    return NamedPoints(
+        origin, tuple(joints), arrays, np.array(t) if timed else None, "time from time_from_start" if timed else ""
+    )
 
 
 def _row(cells: Any, count: int, where: str) -> list[float]:
-    numbers = cells if isinstance(cells, list) and all(type(cell) in (int, float) for cell in cells) else []
-    if len(numbers) != count:
+    """A row of numbers, those that YAML 1.1 reads as text among them (1e-05)."""
+    values = [_number(cell) for cell in cells] if isinstance(cells, list) else []
+    if len(values) != count or None in values:
         raise ScenarioError(f"{where}: {str(cells)[:80]} is no list of {count} numbers, one for each joint")
-    return list(map(float, numbers))
+    return [value for value in values if value is not None]
+
+
+def _number(cell: Any) -> float | None:
+    if type(cell) in (int, float):
+        return float(cell)
+    return number_written(cell) if isinstance(cell, str) else None
 
 
 def _seconds(stamp: Any, where: str) -> float:

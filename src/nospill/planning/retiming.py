@@ -11,8 +11,10 @@ from numpy.typing import ArrayLike
 
 from nospill.core.units import listed
 from nospill.errors import ScenarioError
+from nospill.execution.csv_logs import is_table
 from nospill.motion.trajectory import Trajectory
-from nospill.paths.joint_files import read_joint_points
+from nospill.motion_files.reading import named_points_at
+from nospill.paths.joint_files import JointPoints, points_of, read_joint_points
 from nospill.planning.log import OnProgress
 from nospill.planning.planner import plan
 from nospill.planning.request import requested_scene
@@ -33,8 +35,8 @@ def retime(
     """Find the fastest certified timing of a path of the joints.
 
     Args:
-        motion: a file (CSV, or a JointTrajectory as YAML or JSON), a plan folder, joint positions (m, n) in the order
-            of the robot's joints, rad, or a `Trajectory`. Its times are left out.
+        motion: a file (CSV, arrays by name, a JointTrajectory as YAML, JSON or in a bag), a plan folder, joint
+            positions (m, n) in the order of the robot's joints, rad, or a `Trajectory`. Its times are left out.
         scene: the task, whose path and tilt are replaced; or what `load` takes.
         progress: as of `plan`.
         keys: of the path, as in a scenario: join, joint_tolerance, tray_tolerance.
@@ -55,10 +57,17 @@ def retimed_scene(motion: Motion, scene: Scene, **keys: float | str) -> Scene:
     return scene.changed({"path": own, "motion.tilt": None} if scene.motion.tilt_free else {"path": own})
 
 
+def _read(file: Path, joints: tuple[str, ...]) -> JointPoints:
+    if (file / _IN_FOLDER).is_file():
+        return read_joint_points(file / _IN_FOLDER, joints)
+    if file.exists() and not is_table(file):
+        return points_of(named_points_at(file), joints, file.name)
+    return read_joint_points(file, joints)
+
+
 def _points(motion: Motion, joints: tuple[str, ...]) -> dict[str, Any]:
     if isinstance(motion, str | os.PathLike):
-        file = Path(motion)
-        read = read_joint_points(file / _IN_FOLDER if file.is_dir() else file, joints)
+        read = _read(Path(motion), joints)
         return {"points": read.points.tolist(), "origin": read.origin}
     if isinstance(motion, Trajectory):
         if set(motion.joints) != set(joints):

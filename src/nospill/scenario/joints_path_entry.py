@@ -12,6 +12,7 @@ from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
 from nospill.paths.joint_curves import JoinedPoints, corners_of, interpolated, rounded, stopping
 from nospill.paths.joint_files import read_joint_points
+from nospill.paths.joint_points import TURN, whole_turns
 from nospill.paths.path import MAX_INTERPOLATED, Path
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
@@ -23,8 +24,6 @@ MOST_POINTS = 20_000
 
 _SAME = 1e-7
 """rad; points that are nearer to each other are one."""
-_TURN, _NEARLY = 2.0 * np.pi, 0.5
-"""rad; a step of a whole turn but for so much is one that was counted otherwise."""
 _JUMP, _TIMES, _FEWEST = 0.5, 20.0, 20
 """rad, times the usual step, and points from which on there is a usual one: a longer step is a jump."""
 
@@ -46,7 +45,7 @@ class JointsPath(PathTable):
         Field(
             strict=True,
             description="in the place of points: a CSV file with columns named as the joints (rad, or joint_1_deg), or "
-            "a JointTrajectory as YAML or JSON; times are left out",
+            "a JointTrajectory as YAML or JSON, or arrays as .npz or JSON; times are left out",
         ),
     ] = None
     join: Annotated[
@@ -161,7 +160,7 @@ def _require_in_range(points: np.ndarray, robot: Robot) -> None:
     value = points[row, joint]
     lower, upper = (format_quantity(float(limit[joint]), "angle") for limit in (robot.lower, robot.upper))
     in_degrees = np.radians(points)
-    as_degrees = np.max(np.abs(points)) > 2.5 * _TURN and np.all(
+    as_degrees = np.max(np.abs(points)) > 2.5 * TURN and np.all(
         (in_degrees >= robot.lower - _SAME) & (in_degrees <= robot.upper + _SAME)
     )
     if as_degrees:
@@ -178,12 +177,13 @@ def _require_in_range(points: np.ndarray, robot: Robot) -> None:
 def _require_no_jump(points: np.ndarray, names: tuple[str, ...]) -> None:
     """Refuse a step that no arm makes: a turn counted otherwise, or another configuration."""
     steps = np.abs(np.diff(points, axis=0))
-    turned = np.argwhere(np.abs(steps - _TURN) < _NEARLY)
+    turned = np.argwhere(whole_turns(steps) > 0.0)
     if len(turned):
         row, joint = (int(index) for index in turned[0])
         raise ScenarioError(
             f"points: {names[joint]} goes by {np.degrees(steps[row, joint]):.4g} deg from point {row + 1} to "
-            f"{row + 2}, a whole turn but for {np.degrees(abs(steps[row, joint] - _TURN)):.3g} deg; count it on, by "
+            f"{row + 2}, a whole turn but for "
+            f"{np.degrees(abs(steps[row, joint] - TURN * whole_turns(steps)[row, joint])):.3g} deg; count it on, by "
             "360 deg more or less, or give points between them"
         )
     longest = steps.max(axis=1)

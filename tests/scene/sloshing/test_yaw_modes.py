@@ -206,5 +206,10 @@ def test_the_places_looked_at_miss_little_of_the_wall(ratio: float, level: float
         )
 
     looked_at, whole = heights(wall_points(shape)), heights(wall)
-    for when in (t <= time, t > time):
-        assert 0.94 * np.max(whole[when]) <= np.max(looked_at[when]) <= np.max(whole[when]) * (1 + 1e-3)
+    # Where a turn leaves the first mode at rest, higher ones are left, and more of them is missed: of a height that is
+    # little beside that of the turn itself.
+    greatest = np.max(whole)
+    for when, part in ((t <= time, 0.94), (t > time, 0.85)):
+        seen, there = np.max(looked_at[when]), np.max(whole[when])
+        assert part * there <= seen <= there * (1 + 1e-3)
+        assert there - seen <= 0.05 * greatest

@@ -292,25 +292,29 @@ def _law(joint: UrdfJoint) -> str:
 
 
 def _wide(ends: Mapping[str, float]) -> list[Doubt]:
-    names = [name for name, end in ends.items() if end > _WIDE + 1e-3]
-    if not names:
-        return []
-    text = (
-        f"the URDF states limits of up to {max(ends[name] for name in names):.6g} rad, several turns; they are taken "
-        "as they stand. Where they are meant in deg, give limits.lower and limits.upper under [robot]."
+    return _beyond(
+        ends,
+        _WIDE + 1e-3,
+        "joint position",
+        "limits of up to {:.6g} rad, several turns; they are taken as they stand. Where they are meant in deg, give "
+        "limits.lower and limits.upper under [robot].",
     )
-    return [Doubt("joint position", ", ".join(names), text)]
 
 
 def _fast(rates: Mapping[str, float]) -> list[Doubt]:
-    names = [name for name, rate in rates.items() if rate > _FAST]
-    if not names:
-        return []
-    text = (
-        f"the URDF states up to {max(rates[name] for name in names):.4g} rad/s, more than most arms do; it is taken as "
-        "it stands. Where it is meant in deg/s, or is no limit of the joint, give limits.speed under [robot]."
+    return _beyond(
+        rates,
+        _FAST,
+        "joint speed",
+        "up to {:.4g} rad/s, more than most arms do; it is taken as it stands. Where it is meant in deg/s, or is no "
+        "limit of the joint, give limits.speed under [robot].",
     )
-    return [Doubt("joint speed", ", ".join(names), text)]
+
+
+def _beyond(values: Mapping[str, float], usual: float, what: str, words: str) -> list[Doubt]:
+    names = [name for name, value in values.items() if value > usual]
+    greatest = max((values[name] for name in names), default=usual)
+    return [Doubt(what, ", ".join(names), f"the URDF states {words.format(greatest)}")] if names else []
 
 
 def as_revolute(joint: UrdfJoint, lower: float, upper: float) -> UrdfJoint:
