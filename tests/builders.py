@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nospill.judge.other_speeds import uses_at
-from nospill.judge.tracks import variant_tracks
+from nospill.certification.other_speeds import uses_at
+from nospill.certification.tracks import variant_tracks
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath, joint_paths

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from nospill.certification.certificate import judge
 from nospill.drawing.timeline import Film, make_film
-from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scenario import scene_from_table

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from nospill.judge.certificate import judge
+from nospill.certification.certificate import judge
 from nospill.motion.interpolation import JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan

@@ -22,9 +22,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.campaign.combined import BACK_AFTER, way_back
+from nospill.certification.certificate import judge
+from nospill.certification.wording import describe
 from nospill.errors import REST, NoSolutionError, NospillError, ScenarioError
-from nospill.judge.certificate import judge
-from nospill.judge.wording import describe
 from nospill.path_search.base_yaw import choose_base_yaw
 from nospill.planning import planner
 from nospill.planning.active_set import Task

@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.campaign.case import PLANNED, REFUSED, UNCERTIFIED, failure_of
+from nospill.certification.wording import describe
 from nospill.collisions.configurations import Configurations
 from nospill.errors import NospillError
-from nospill.judge.wording import describe
 from nospill.planning import planner
 from nospill.plans.plan import Plan
 from nospill.scenario import scene_from_table

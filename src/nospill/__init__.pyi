@@ -1,6 +1,12 @@
 # What `import nospill as ns` offers: the only list of it. `__init__.py` reads the names here and imports each at its
 # first use, so that reading a scenario needs no optimiser (as SPEC 1 of scientific Python has it).
 
+from nospill.certification.certificate import certify as certify
+from nospill.certification.certificate import certify_joints as certify_joints
+from nospill.certification.histories import ContactLoad as ContactLoad
+from nospill.certification.histories import History as History
+from nospill.certification.histories import ModalStates as ModalStates
+from nospill.certification.verdict import Certificate as Certificate
 from nospill.errors import Change as Change
 from nospill.errors import MissingExtraError as MissingExtraError
 from nospill.errors import ModelError as ModelError
@@ -8,12 +14,6 @@ from nospill.errors import NoSolutionError as NoSolutionError
 from nospill.errors import NospillError as NospillError
 from nospill.errors import PlanFolderError as PlanFolderError
 from nospill.errors import ScenarioError as ScenarioError
-from nospill.judge.certificate import certify as certify
-from nospill.judge.certificate import certify_joints as certify_joints
-from nospill.judge.histories import ContactLoad as ContactLoad
-from nospill.judge.histories import History as History
-from nospill.judge.histories import ModalStates as ModalStates
-from nospill.judge.verdict import Certificate as Certificate
 from nospill.laws.constraints.base import Cone as Cone
 from nospill.laws.constraints.base import Constraint as Constraint
 from nospill.laws.constraints.base import EvaluationPoint as EvaluationPoint

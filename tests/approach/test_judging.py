@@ -13,10 +13,10 @@ from benchmarks.itself.independent import least_rooms
 from benchmarks.itself.run import RESOLUTION
 from nospill.approach import find_approach, judge_segment, read_segment, segment_text
 from nospill.approach.search import SLOWEST
+from nospill.certification.clearance import OTHERS
+from nospill.certification.verdict import APPROACH
 from nospill.collisions.pairs import scene_pairs
 from nospill.errors import PlanFolderError
-from nospill.judge.clearance import OTHERS
-from nospill.judge.verdict import APPROACH
 from nospill.scene.scene import Scene
 
 LEVEL = [0.5, 0.0, 0.0, 0.0, 0.0, 0.0]

@@ -8,7 +8,7 @@ import pytest
 import nospill as ns
 from benchmarks.itself.independent import Arm, least_rooms
 from benchmarks.itself.run import RESOLUTION, random_scene, touches
-from nospill.judge.certificate import certify
+from nospill.certification.certificate import certify
 from nospill.path_search.branches import free_paths
 from nospill.robots.kinematics.forward import kinematics
 from nospill.transcription.starting_motions import Start

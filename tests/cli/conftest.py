@@ -12,7 +12,7 @@ from unittest.mock import create_autospec
 
 import pytest
 
-from nospill.judge.certificate import judge
+from nospill.certification.certificate import judge
 from nospill.laws.constraints.base import RowId
 from nospill.planning import planner
 from nospill.planning.log import OnProgress, PlanningProgress

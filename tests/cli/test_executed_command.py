@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from nospill.certification.certificate import judge
 from nospill.cli import app
-from nospill.judge.certificate import judge
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.plan import Plan
 from nospill.simulation.motion_file import Heights, write_heights

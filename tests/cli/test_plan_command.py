@@ -14,9 +14,9 @@ from unittest.mock import create_autospec
 import pytest
 
 from nospill import plots
+from nospill.certification.verdict import Certificate, Row
 from nospill.cli import planning
 from nospill.errors import NoSolutionError
-from nospill.judge.verdict import Certificate, Row
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import SUMMARY_KEYS, Plan
 from tests.cli.commands import nospill

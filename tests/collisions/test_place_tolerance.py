@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nospill.certification.certificate import certify
 from nospill.collisions.along_path import nearest_of_tray
 from nospill.collisions.bodies import Body, cargo_shape, scene_bodies
 from nospill.errors import ScenarioError
-from nospill.judge.certificate import certify
 from nospill.path_search.branches import free_paths
 from nospill.robots.description.urdf_tree import about_axis
 from nospill.scenario.loading import load

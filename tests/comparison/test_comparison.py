@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nospill.certification.certificate import certify
 from nospill.comparison import compared, trapezoid_motion
 from nospill.comparison.compared import LEVEL, TRAPEZOID
-from nospill.judge.certificate import certify
 from nospill.paths.path import straight_line
 from nospill.plans.plan import Plan, failed_summary
 from nospill.scenario import read_scenario

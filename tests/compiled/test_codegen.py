@@ -18,11 +18,11 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
+from nospill.certification import traces
 from nospill.compiled import codegen as compiled
 from nospill.compiled.cache_folder import cache_folder
 from nospill.compiled.kept import forget_functions
 from nospill.compiled.small_libraries import small_library
-from nospill.judge import traces
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import object_kind, tray_kind
 from nospill.laws.parameters import Structure

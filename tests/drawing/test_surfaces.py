@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nospill.certification.verdict import Trace
 from nospill.drawing.geometry import wall_thickness
 from nospill.drawing.surfaces import liquid_surface
 from nospill.drawing.timeline import Film, make_film
-from nospill.judge.verdict import Trace
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers import Cylinder
@@ -171,7 +171,7 @@ def test_film_without_liquids(tilting_film: Film) -> None:
     plan = dataclasses.replace(
         tilting_film.plan, scene=scene, trajectory=dataclasses.replace(tilting_film.plan.trajectory, slosh={})
     )
-    from nospill.judge.certificate import judge
+    from nospill.certification.certificate import judge
 
     film = make_film(plan, judge(plan.trajectory, scene), rate=20.0)
     assert film.liquids == {} == film.contact_use

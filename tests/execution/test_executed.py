@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nospill.certification.clearance import NEAR, OTHERS
+from nospill.certification.verdict import Row, Trace, limit_trace
 from nospill.errors import ScenarioError
 from nospill.execution.bands import CERTIFIED, NOT_CERTIFIED, OPEN, WIDE, height_bands, outcome, row_bands
 from nospill.execution.executed import Executed, executed
 from nospill.execution.motion import recorded_motion
 from nospill.execution.reading import read_log
 from nospill.execution.record import executed_table, failing, log_lines, tracking_lines, undecided, verdict
-from nospill.judge.clearance import NEAR, OTHERS
-from nospill.judge.verdict import Row, Trace, limit_trace
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.slosh_height import SloshHeight

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from nospill.certification.certificate import certify
 from nospill.cli import app
 from nospill.errors import PlanFolderError
 from nospill.export import EXPORTERS
 from nospill.export.plan_files import compare_plan_files
-from nospill.judge.certificate import certify
 from nospill.scenario import read_scenario
 
 

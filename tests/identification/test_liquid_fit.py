@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nospill.certification.certificate import judge_joints
 from nospill.identification.liquid_fit import LiquidFit, fit_liquid
-from nospill.judge.certificate import judge_joints
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.perturbation import Perturbation, perturbed

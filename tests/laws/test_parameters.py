@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from nospill.certification.full_model import full_scene
 from nospill.core.trees import constants, flatten, symbolic
-from nospill.judge.full_model import full_scene
 from nospill.laws.parameters import blank_numbers, parameter_count
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.scenario import read_scenario

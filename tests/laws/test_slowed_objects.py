@@ -9,9 +9,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from nospill.certification.replay import Replay, replay
 from nospill.core.frames import SX, body_motion
 from nospill.core.trees import constants
-from nospill.judge.replay import Replay, replay
 from nospill.laws.sample import object_motion, object_states, sample_objects
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.motion import modal_accelerations

@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 from scipy.stats import binomtest
 from typer.testing import CliRunner
 
+from nospill.certification.certificate import judge
 from nospill.cli import app
 from nospill.core.trees import flatten
 from nospill.errors import PlanFolderError, ScenarioError
-from nospill.judge.certificate import judge
 from nospill.laws.scene_parameters import object_numbers
 from nospill.margins import FACTORS, Ranges, margins, probability
 from nospill.margins.arms import ArmRanges, draw_arms

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nospill.certification.certificate import certify, judge
 from nospill.errors import PlanFolderError
 from nospill.export import EXPORTERS
 from nospill.export.plan_files import compare_plan_files
-from nospill.judge.certificate import certify, judge
 from nospill.motion.holds import held_samples, held_trajectory, hold_periods
 from nospill.motion.resampling import resampled
 from nospill.plans.handover import hand_over, judge_exported_file, rate_that_would_do

@@ -11,9 +11,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 
+from nospill.certification.certificate import certify, certify_joints
 from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
-from nospill.judge.certificate import certify, certify_joints
 from nospill.motion.interpolation import CUBIC_HERMITE, JointSamples, linear_at
 from nospill.motion.resampling import resampled
 from nospill.motion_files.judging import judge_file

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nospill.judge.certificate import Judgement, judge_joints
-from nospill.judge.verdict import Certificate, Row
+from nospill.certification.certificate import Judgement, judge_joints
+from nospill.certification.verdict import Certificate, Row
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
 from nospill.laws.like_objects import least_tolerant_objects

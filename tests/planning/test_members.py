@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from nospill.judge.verdict import Row
+from nospill.certification.verdict import Row
 from nospill.laws.constraints.base import RowId
 from nospill.planning.members import Members, tightened
 from nospill.planning.worst_speeds import is_far

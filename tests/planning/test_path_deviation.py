@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nospill.certification.certificate import certify
 from nospill.core.attitudes import matrices, yaw_of
-from nospill.judge.certificate import certify
 from nospill.path_search.candidates import has_free_path
 from nospill.planning import planner as planning
 from nospill.planning.candidate import Candidate

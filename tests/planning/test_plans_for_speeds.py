@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nospill.judge.other_speeds import uses_at
+from nospill.certification.other_speeds import uses_at
 from nospill.planning.planner import plan
 from nospill.scene.scene import Scene
 

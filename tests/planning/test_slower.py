@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nospill.certification.certificate import certify, judge_motion
 from nospill.core.attitudes import matrices
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.judge.certificate import certify, judge_motion
 from nospill.motion.at_speed import at_speed
 from nospill.motion.time_law import RetimedMotion, TimeLaw, retimed
 from nospill.planning.slower import SAME_ATTITUDE, SAME_PLACE, apart, slower

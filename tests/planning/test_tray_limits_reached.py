@@ -7,11 +7,11 @@ from typing import Any, cast
 
 import pytest
 
+from nospill.certification.certificate import certify
+from nospill.certification.verdict import Certificate, Row
 from nospill.diagnosis.quasi_static import longer_time
 from nospill.diagnosis.search import Searcher, Trials
 from nospill.errors import NoSolutionError
-from nospill.judge.certificate import certify
-from nospill.judge.verdict import Certificate, Row
 from nospill.laws.constraints import TrayAcceleration, TraySpeed
 from nospill.planning.planner import plan
 from nospill.scenario import read_scenario, scene_from_table

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from nospill.certification.certificate import judge
+from nospill.certification.verdict import APPROACH
+from nospill.certification.wording import describe
 from nospill.cli import app
 from nospill.core.shapes import sphere_shape
 from nospill.errors import MissingExtraError, NoSolutionError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS
-from nospill.judge.certificate import judge
-from nospill.judge.verdict import APPROACH
-from nospill.judge.wording import describe
 from nospill.planning.planner import plan as find_plan
 from nospill.plans.approach import (
     hand_over_approach,

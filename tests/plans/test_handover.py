@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nospill.certification.certificate import certify
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS
 from nospill.export.base import Exporter
-from nospill.judge.certificate import certify
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
 from nospill.motion.resampling import resampled
 from nospill.plans.handover import (

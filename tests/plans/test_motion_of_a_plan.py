@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from nospill.certification.certificate import judge
 from nospill.core.attitudes import matrices
 from nospill.errors import ScenarioError
-from nospill.judge.certificate import judge
 from nospill.motion.holds import held_trajectory
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan

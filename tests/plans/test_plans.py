@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nospill.certification.certificate import Judgement, judge
+from nospill.certification.verdict import Certificate, Row, limit_use
+from nospill.certification.wording import describe, shown_unit
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.plan_files import compare_plan_files
-from nospill.judge.certificate import Judgement, judge
-from nospill.judge.verdict import Certificate, Row, limit_use
-from nospill.judge.wording import describe, shown_unit
 from nospill.laws.constraints import BY_NAME
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import SUMMARY_KEYS, Plan, failed_summary

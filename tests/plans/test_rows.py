@@ -12,10 +12,10 @@ import pytest
 from typer.testing import CliRunner
 
 import nospill as ns
+from nospill.certification.certificate import certify, judge_motion
+from nospill.certification.full_model import full_scene
 from nospill.cli import app
 from nospill.errors import ScenarioError
-from nospill.judge.certificate import certify, judge_motion
-from nospill.judge.full_model import full_scene
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.planning.planner import plan

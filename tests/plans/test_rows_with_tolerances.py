@@ -12,10 +12,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
+from nospill.certification.certificate import certify, judge
+from nospill.certification.corners import corner_traces
+from nospill.certification.replay import replay
 from nospill.errors import ScenarioError
-from nospill.judge.certificate import certify, judge
-from nospill.judge.corners import corner_traces
-from nospill.judge.replay import replay
 from nospill.margins import Ranges, margins
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill.judge.after_end import free_heights
-from nospill.judge.certificate import judge
+from nospill.certification.after_end import free_heights
+from nospill.certification.certificate import judge
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.plans.plan import Plan

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.judge.certificate import Judgement, judge
+from nospill.certification.certificate import Judgement, judge
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scene.scene import Scene

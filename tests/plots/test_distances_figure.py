@@ -8,8 +8,8 @@ import matplotlib
 import numpy as np
 import pytest
 
+from nospill.certification.certificate import judge
 from nospill.collisions.over_time import nearest_over_time
-from nospill.judge.certificate import judge
 from nospill.path_search.branches import free_paths
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima

@@ -17,11 +17,11 @@ from matplotlib.text import Text
 from PIL import Image
 from scipy.integrate import solve_ivp
 
+from nospill.certification.limiting import limiting_names
+from nospill.certification.verdict import Trace
+from nospill.certification.wording import integrity_line, row_text, shown_unit
 from nospill.core.units import superscript
 from nospill.errors import PlanFolderError
-from nospill.judge.limiting import limiting_names
-from nospill.judge.verdict import Trace
-from nospill.judge.wording import integrity_line, row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS, constrained
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.plots import figures, save_figures

@@ -7,8 +7,8 @@ from dataclasses import replace
 import matplotlib
 from matplotlib.text import Text
 
-from nospill.judge.certificate import judge
-from nospill.judge.wording import full_model_note
+from nospill.certification.certificate import judge
+from nospill.certification.wording import full_model_note
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import LOOK
 from nospill.plots.summary import summary_figure

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from nospill.judge.certificate import judge
+from nospill.certification.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.report import Report, make_report

@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from nospill.judge.verdict import Row
+from nospill.certification.verdict import Row
 from nospill.plans.plan import Plan
 from nospill.plots.report_pages import report_svgs
 from nospill.plots.text_pages import TextTable

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import nospill
-from nospill.judge.verdict import APPROACH
+from nospill.certification.verdict import APPROACH
 from nospill.laws.constraints import BY_NAME
 
 PACKAGE = Path(nospill.__file__).parent
@@ -25,8 +25,8 @@ OTHER_MEANINGS = {
     "tilt": {
         "comparison/compared.py": "key of a scenario",
         "identification/design.py": "key of a scenario",
-        "judge/record_checks.py": "column of a trajectory",
-        "judge/traces.py": "name of a symbol",
+        "certification/record_checks.py": "column of a trajectory",
+        "certification/traces.py": "name of a symbol",
         "plans/plan.py": "attribute of the largest figures",
         "plots/figures.py": "name of a figure",
         "report/page.py": "name of a figure",

@@ -72,7 +72,7 @@ def test_every_package_has_its_layer(project: dict) -> None:
 
 def test_the_judge_and_the_optimiser_do_not_know_each_other(project: dict) -> None:
     [contract] = [one for one in project["tool"]["importlinter"]["contracts"] if one["type"] == "layers"]
-    [layer] = [layer for layer in contract["layers"] if "(judge)" in layer]
+    [layer] = [layer for layer in contract["layers"] if "(certification)" in layer]
     assert "(transcription)" in layer.split(" | ")
 
 
@@ -93,7 +93,7 @@ def test_the_page_on_the_design_names_the_packages_that_import_judge_and_optimis
     assert found == set(re.findall(r"`(\w+)`", sentence))
 
 
-BOTH = {"judge", "transcription"}
+BOTH = {"certification", "transcription"}
 
 
 def importing(room: str) -> Iterator[Path]:

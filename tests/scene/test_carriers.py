@@ -9,9 +9,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from nospill.certification.replay import body_motion
 from nospill.core.frames import SX
 from nospill.core.trees import constants
-from nospill.judge.replay import body_motion
 from nospill.laws.contact import contact_wrench
 from nospill.laws.like_objects import hull_objects
 from nospill.laws.sample import object_motion, object_states

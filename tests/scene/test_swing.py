@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nospill.certification.replay import replay
 from nospill.errors import ScenarioError
-from nospill.judge.replay import replay
 from nospill.laws.like_objects import hull_objects
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states

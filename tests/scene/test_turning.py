@@ -8,10 +8,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from nospill.certification.full_model import full_scene
 from nospill.core.frames import SX, body_motion
 from nospill.core.trees import constants
 from nospill.errors import ScenarioError
-from nospill.judge.full_model import full_scene
 from nospill.laws.contact import contact_wrench
 from nospill.laws.sample import object_states
 from nospill.laws.scene_parameters import object_numbers, object_structure

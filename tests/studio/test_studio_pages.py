@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from nospill.judge.verdict import Row
+from nospill.certification.verdict import Row
 from nospill.plans.plan import Plan
 from nospill.plans.warnings.record import PlanWarning
 from nospill.studio.checks import Fault

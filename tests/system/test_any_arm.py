@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nospill.judge.certificate import certify
+from nospill.certification.certificate import certify
 from nospill.laws.scene_parameters import flange_load, structure_of
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nospill.certification.certificate import certify
+from nospill.certification.run import run_of
 from nospill.export import EXPORTERS
 from nospill.export.plan_files import compare_plan_files
-from nospill.judge.certificate import certify
-from nospill.judge.run import run_of
 from nospill.planning.planner import plan
 from nospill.plans.handover import hand_over
 from nospill.plans.loading import load_plan

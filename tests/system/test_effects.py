@@ -24,8 +24,8 @@ from functools import cache
 
 import pytest
 
+from nospill.certification.verdict import Row
 from nospill.errors import ScenarioError
-from nospill.judge.verdict import Row
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.planning.planner import plan
 from nospill.scenario import read_scenario

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from nospill.judge.certificate import certify
+from nospill.certification.certificate import certify
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.planning.planner import plan
 from nospill.plans.loading import load_plan

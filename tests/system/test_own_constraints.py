@@ -12,10 +12,10 @@ import pytest
 from typer.testing import CliRunner
 
 import nospill as ns
+from nospill.certification.certificate import judge
 from nospill.cli import app
 from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
-from nospill.judge.certificate import judge
 from nospill.margins import margins
 from nospill.plans.handover import hand_over
 from nospill.plans.plan import Plan

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import nospill as ns
+from nospill.certification.certificate import certify, judge_motion
 from nospill.core.attitudes import angles_between, matrices, quaternions
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.judge.certificate import certify, judge_motion
 from nospill.laws.parameters import Freedom
 from nospill.planning.retiming import retimed_scene
 from nospill.robots.kinematics.forward import kinematics

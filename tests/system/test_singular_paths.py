@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nospill.judge.certificate import certify
+from nospill.certification.certificate import certify
 from nospill.planning.planner import plan
 from nospill.robots.description.catalog import load_robot
 from nospill.robots.kinematics.forward import kinematics

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nospill.judge.certificate import certify, judge
-from nospill.judge.load_extremes import extremes, worst_load_traces
-from nospill.judge.replay import replay
+from nospill.certification.certificate import certify, judge
+from nospill.certification.load_extremes import extremes, worst_load_traces
+from nospill.certification.replay import replay
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.scene_parameters import flange_load

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.judge.certificate import Judgement, judge_motion
-from nospill.judge.verdict import Row
+from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.verdict import Row
 from nospill.planning.planner import plan
 from nospill.scene.scene import Scene
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from nospill.certification.certificate import judge
 from nospill.cli import app
 from nospill.drawing.props import placement_at_rest
 from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
 from nospill.film.writing import Format
-from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scene.scene import Scene

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 pytest.importorskip("viser", reason="viser is not installed")
 
+from nospill.certification.limiting import limiting_rows
 from nospill.drawing.timeline import Film
 from nospill.drawing.views import View
-from nospill.judge.limiting import limiting_rows
 from nospill.viewer import playback
 from nospill.viewer.charts import WIDTH, colour_key, draw_charts
 from nospill.viewer.live import live_viewer, running_server, show_plans

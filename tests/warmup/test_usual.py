@@ -8,9 +8,9 @@ from functools import partial
 
 import pytest
 
+from nospill.certification import replay, traces
 from nospill.compiled import codegen
 from nospill.compiled.kept import forget_functions
-from nospill.judge import replay, traces
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import object_kind, tray_kind
 from nospill.laws.parameters import Structure

@@ -13,7 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from nospill.judge.wording import percent
+from nospill.certification.wording import percent
 from nospill.plans.loading import load_plan
 from nospill.scenario.examples import EXAMPLES, example_path
 from nospill_docs.places import Places, copy_if_changed, write_if_changed

@@ -12,12 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.approach.segment import Segment
-from nospill.judge.clearance import clearance_rows
-from nospill.judge.corners import corner_traces
-from nospill.judge.record_checks import SPEED_TOLERANCE
-from nospill.judge.replay import MINIMUM_RATE, replay
-from nospill.judge.traces import constraint_traces, control_inputs, evaluated_traces
-from nospill.judge.verdict import APPROACH, Certificate, Row, fullest, limit_trace, worst_row
+from nospill.certification.clearance import clearance_rows
+from nospill.certification.corners import corner_traces
+from nospill.certification.record_checks import SPEED_TOLERANCE
+from nospill.certification.replay import MINIMUM_RATE, replay
+from nospill.certification.traces import constraint_traces, control_inputs, evaluated_traces
+from nospill.certification.verdict import APPROACH, Certificate, Row, fullest, limit_trace, worst_row
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, Role
 from nospill.laws.constraints.residual_height import EndDisplacement

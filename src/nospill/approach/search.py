@@ -9,8 +9,8 @@ import numpy as np
 from nospill.approach.judge import judge_segment
 from nospill.approach.profile import jerk_limited
 from nospill.approach.segment import Segment, sampled
+from nospill.certification.verdict import Certificate
 from nospill.errors import ModelError
-from nospill.judge.verdict import Certificate
 from nospill.scene.scene import ApproachRules, Scene
 
 SLOWEST = 10.0

@@ -12,7 +12,7 @@ from nospill.cli.run_options import seconds
 from nospill.cli.tables import print_lines, print_table, print_verdict, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.judge.verdict import Certificate
+    from nospill.certification.verdict import Certificate
     from nospill.plans.plan import Plan
     from nospill.plans.warnings.record import PlanWarning
     from nospill.scene.scene import Scene
@@ -52,9 +52,9 @@ def check(
 
 def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
     """Judge a plan, print what is found, and return whether all is well."""
+    from nospill.certification.other_speeds import uses_at
+    from nospill.certification.wording import finding
     from nospill.export.plan_files import compare_plan_files
-    from nospill.judge.other_speeds import uses_at
-    from nospill.judge.wording import finding
     from nospill.plans.approach import judge_whole
     from nospill.plans.warnings import plan_warnings
     from nospill.plans.warnings.speeds import other_speeds
@@ -80,9 +80,9 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
 
 def print_certificate(certificate: Certificate, scene: Scene, *, everything: bool = False) -> None:
     """Print the verdict, then the fullest row of each constraint, the fullest first, or all rows, and the rims."""
+    from nospill.certification.rims import rim_distances, rim_line
+    from nospill.certification.wording import full_model_note, integrity_line, row_text, verdict_line
     from nospill.core.short_names import short_names
-    from nospill.judge.rims import rim_distances, rim_line
-    from nospill.judge.wording import full_model_note, integrity_line, row_text, verdict_line
 
     rows = certificate.rows if everything else certificate.listed_rows()
     joints = scene.robot.joints

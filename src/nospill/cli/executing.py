@@ -89,8 +89,8 @@ def executed(
 
 def _finding(found: Executed) -> str:
     """The row that fails most, or a limit that nobody could judge."""
+    from nospill.certification.wording import describe, finding
     from nospill.execution.record import failing
-    from nospill.judge.wording import describe, finding
 
     rows = failing(found)
     return describe(max(rows, key=lambda row: row.use)) if rows else finding(found.judgement.certificate)
@@ -105,9 +105,9 @@ def _only_ours(names: set[str]) -> bool:
 
 
 def _print(run: Executed, *, everything: bool) -> None:
+    from nospill.certification.wording import verdict_line
     from nospill.execution.bands import NOT_CERTIFIED
     from nospill.execution.record import log_lines, open_line, tracking_lines, verdict
-    from nospill.judge.wording import verdict_line
 
     print_verdict(f"executed: {verdict(run)}", run.outcome != NOT_CERTIFIED)
     if run.planned is not None:
@@ -127,9 +127,9 @@ def _print(run: Executed, *, everything: bool) -> None:
 
 def _print_rows(found: Executed, *, everything: bool) -> None:
     """The fullest row of every constraint, or every row, as executed and as planned."""
+    from nospill.certification.wording import percent, row_text
     from nospill.execution.bands import NOT_CERTIFIED
     from nospill.execution.record import band_text, mark
-    from nospill.judge.wording import percent, row_text
 
     certificate = found.judgement.certificate
     rows = certificate.rows if everything else certificate.listed_rows()

@@ -149,14 +149,14 @@ def _approach_file(target: Path, exporter: Exporter) -> Path:
 
 
 def _say_why_not_approach(done: Handover) -> None:
-    from nospill.judge.wording import finding
+    from nospill.certification.wording import finding
 
     name = done.exporter.name
     say(f"{done.path} is not certified as {name}: {finding(done.certificate)}; try another --rate.")
 
 
 def _report(done: Handover) -> None:
-    from nospill.judge.wording import verdict_line
+    from nospill.certification.wording import verdict_line
 
     certificate = done.certificate
     spaced = f"at {done.rate:.6g} Hz" if done.even else "unevenly spaced"
@@ -167,7 +167,7 @@ def _report(done: Handover) -> None:
 
 
 def _say_why(plan: Plan, done: Handover) -> None:
-    from nospill.judge.wording import finding
+    from nospill.certification.wording import finding
     from nospill.plans.handover import rate_that_would_do
 
     name = done.exporter.name

@@ -89,7 +89,7 @@ def _table(judged: JudgedMotion) -> dict[str, Any]:
 
 
 def _print(judged: JudgedMotion, *, everything: bool) -> None:
-    from nospill.judge.wording import finding
+    from nospill.certification.wording import finding
     from nospill.motion_files.judging import NOT_JUDGED
 
     print_lines(f"read: {judged.file.read}", judged.played_text)

@@ -275,7 +275,7 @@ def _write_study(report: MarginsReport, folder: Path, names: list[str]) -> None:
 
 def _print_margins(report: MarginsReport) -> None:
     """Print whether anything spills, the probabilities, the constraints and the influences."""
-    from nospill.judge.wording import percent
+    from nospill.certification.wording import percent
 
     chances = {
         "spill: over the rim": report.spill,
@@ -342,6 +342,6 @@ def _print_margins(report: MarginsReport) -> None:
 
 def _use(margin: float) -> str:
     """Use of a limit of which a margin is left, as certificates state it."""
-    from nospill.judge.wording import percent
+    from nospill.certification.wording import percent
 
     return percent(1.0 - margin, margin >= 0.0)

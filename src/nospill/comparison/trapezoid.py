@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from nospill.certification.certificate import certify
 from nospill.errors import ModelError
-from nospill.judge.certificate import certify
 from nospill.motion.trajectory import Trajectory
 from nospill.path_search.branches import free_paths
 from nospill.robots.joint_paths.search import joint_paths, preferred_path

@@ -47,7 +47,18 @@ LAST = (-1,)
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
 
-_SOURCES = ("core", "paths", "native", "compiled", "robots", "scene", "laws", "judge", "transcription", "motion")
+_SOURCES = (
+    "core",
+    "paths",
+    "native",
+    "compiled",
+    "robots",
+    "scene",
+    "laws",
+    "certification",
+    "transcription",
+    "motion",
+)
 """Packages whose source is part of the key: those of which compiled functions are made."""
 
 _FORMAT = "5"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from nospill.certification.verdict import Row
+from nospill.certification.wording import describe
 from nospill.errors import MOTION, NOT_CONVERGED, ModelError, NoSolutionError, Reason
-from nospill.judge.verdict import Row
-from nospill.judge.wording import describe
 from nospill.scene.scene import Scene
 
 

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from nospill.certification.verdict import Row
 from nospill.diagnosis.changes import advice
 from nospill.diagnosis.least_relaxation import SPARE, wide_enough
 from nospill.diagnosis.quasi_static import longer_time, path_place, quasi_static_motion, with_time, without_time
@@ -16,7 +17,6 @@ from nospill.diagnosis.relaxations import relaxations_of
 from nospill.diagnosis.search import SLOW, Answer, Trials, is_possible
 from nospill.diagnosis.singularity import Singularity, at_singularity, nearest_singularity
 from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError, Reason
-from nospill.judge.verdict import Row
 from nospill.laws.constraints.clearance import Clearance
 from nospill.path_search.candidates import has_found_path
 from nospill.robots.joint_paths.no_joint_path import place_in_words

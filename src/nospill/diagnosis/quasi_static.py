@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from nospill.certification.certificate import judge
+from nospill.certification.verdict import Certificate, Row
+from nospill.certification.wording import describe
 from nospill.core.units import format_quantity
 from nospill.diagnosis.changes import advice
 from nospill.diagnosis.least_relaxation import wide_enough
 from nospill.diagnosis.search import MOST_TIME, SLOW, Trials
 from nospill.diagnosis.singularity import at_singularity
 from nospill.errors import MOTION, REST, Change, ModelError, NoSolutionError, Reason
-from nospill.judge.certificate import judge
-from nospill.judge.verdict import Certificate, Row
-from nospill.judge.wording import describe
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.laws.constraints.tilt import Tilt

@@ -9,11 +9,11 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
+from nospill.certification.certificate import Judgement
+from nospill.certification.replay import Replay
 from nospill.core.frames import SX, body_motion
 from nospill.core.trees import constants
 from nospill.drawing.surfaces import liquid_surface
-from nospill.judge.certificate import Judgement
-from nospill.judge.replay import Replay
 from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.laws.sample import object_motion

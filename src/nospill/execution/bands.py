@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.stats import t as student
 
-from nospill.judge.verdict import Row, Trace, worst_row
+from nospill.certification.verdict import Row, Trace, worst_row
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.slosh_height import SloshHeight
 

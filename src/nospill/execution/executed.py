@@ -8,6 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
+from nospill.certification.certificate import Judgement, judge, judge_joints
+from nospill.certification.clearance import clearance_traces
+from nospill.certification.replay import replay
+from nospill.certification.traces import constraint_traces
+from nospill.certification.verdict import Row, Trace
 from nospill.errors import ModelError, ScenarioError
 from nospill.execution.bands import (
     CERTIFIED,
@@ -23,11 +28,6 @@ from nospill.execution.log import JointLog
 from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samples, stopping_time
 from nospill.execution.smoothing import BANDWIDTH, SmoothJoints
 from nospill.execution.tracking import Tracking, track_command, tracking
-from nospill.judge.certificate import Judgement, judge, judge_joints
-from nospill.judge.clearance import clearance_traces
-from nospill.judge.replay import replay
-from nospill.judge.traces import constraint_traces
-from nospill.judge.verdict import Row, Trace
 from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.slip import Slip

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.certification.plausibility import lean_at
 from nospill.errors import ScenarioError
 from nospill.execution.log import JointLog
 from nospill.execution.sampling import Sampling, sampling_of
 from nospill.execution.smoothing import BANDWIDTH, SmoothJoints, smooth_joints
-from nospill.judge.plausibility import lean_at
 from nospill.motion.interpolation import HeldMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from nospill.certification.verdict import Row, limit_use
 from nospill.execution.bands import NOT_CERTIFIED, OPEN
 from nospill.execution.executed import Executed
 from nospill.execution.tracking import Tracking
-from nospill.judge.verdict import Row, limit_use
 
 _SMALL = 0.01
 """mm; narrower bands are not told apart."""

@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nospill.certification.certificate import judge
+from nospill.certification.tracks import with_recorded_modes
 from nospill.errors import ModelError, NoSolutionError, ScenarioError
 from nospill.identification.estimates import Estimate
 from nospill.identification.liquid_fit import IDENTIFIABLE as LIQUIDS_TOLD
 from nospill.identification.liquid_law import NUMBERS, LiquidLaw
-from nospill.judge.certificate import judge
-from nospill.judge.tracks import with_recorded_modes
 from nospill.motion.control import followed
 from nospill.motion.interpolation import JointMotion
 from nospill.plans.plan import Plan, judged_plan

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from nospill.certification.certificate import judge_joints
 from nospill.errors import ScenarioError
 from nospill.execution.executed import require_liquids
 from nospill.execution.log import JointLog
@@ -15,7 +16,6 @@ from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samp
 from nospill.identification.estimates import WIDE, Estimate
 from nospill.identification.joint_fit import JointFit, against_the_first, fit_joints
 from nospill.identification.liquid_fit import LiquidFit, fit_liquid
-from nospill.judge.certificate import judge_joints
 from nospill.laws.constraints.slip import Slip
 from nospill.motion.control import commanded
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion, JointSamples

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from nospill.certification.replay import liquid_steps, tray_from_joints
+from nospill.certification.traces import object_figures_function
 from nospill.core.batches import evaluate
 from nospill.core.trees import flatten
 from nospill.errors import ModelError
-from nospill.judge.replay import liquid_steps, tray_from_joints
-from nospill.judge.traces import object_figures_function
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.kinds import numbers_of_object, object_kind

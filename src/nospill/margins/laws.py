@@ -12,13 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.certification.after_end import residual_height
+from nospill.certification.replay import liquid_steps, tray_from_joints
+from nospill.certification.run import run_of
+from nospill.certification.traces import object_figures_function
+from nospill.certification.verdict import limit_use
 from nospill.core.batches import evaluate
 from nospill.core.trees import flatten
-from nospill.judge.after_end import residual_height
-from nospill.judge.replay import liquid_steps, tray_from_joints
-from nospill.judge.run import run_of
-from nospill.judge.traces import object_figures_function
-from nospill.judge.verdict import limit_use
 from nospill.laws.constraints import by_name
 from nospill.laws.constraints.base import Constraint, EvaluationPoint
 from nospill.laws.constraints.residual_height import ResidualHeight

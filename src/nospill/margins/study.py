@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.certification.verdict import limit_use
+from nospill.certification.wording import finding
 from nospill.errors import ScenarioError
-from nospill.judge.verdict import limit_use
-from nospill.judge.wording import finding
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, Role
 from nospill.laws.constraints.lift import Lift

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from nospill.judge.certificate import Judgement, judge_command
-from nospill.judge.plausibility import require_level, require_rate
-from nospill.judge.replay import MINIMUM_RATE
-from nospill.judge.verdict import Certificate, Trace
+from nospill.certification.certificate import Judgement, judge_command
+from nospill.certification.plausibility import require_level, require_rate
+from nospill.certification.replay import MINIMUM_RATE
+from nospill.certification.verdict import Certificate, Trace
 from nospill.laws.constraints import constrained
 from nospill.laws.constraints.base import Constraint
 from nospill.motion.interpolation import Interpolation

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.certification.plausibility import unlikely_units
 from nospill.core.units import listed
 from nospill.errors import ScenarioError
-from nospill.judge.plausibility import unlikely_units
 from nospill.motion.interpolation import JointSamples
 from nospill.paths.joint_points import ACCELERATION, POSITION, SPEED, NamedPoints, whole_turns
 from nospill.robots.robot import Robot

@@ -13,8 +13,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from nospill.judge.certificate import Judgement
-from nospill.judge.verdict import Row
+from nospill.certification.certificate import Judgement
+from nospill.certification.verdict import Row
 from nospill.laws.constraints import END_NAMES, by_name, constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.constraints.clearance import Clearance, clearance_backoff

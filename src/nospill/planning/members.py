@@ -21,7 +21,7 @@ from itertools import groupby, islice
 
 import numpy as np
 
-from nospill.judge.verdict import Row, condensed
+from nospill.certification.verdict import Row, condensed
 from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.planning.tightening import is_saturated, tightened_backoff

@@ -8,11 +8,11 @@ from contextlib import nullcontext
 from dataclasses import replace
 
 from nospill import diagnosis
+from nospill.certification.limiting import longest_held
+from nospill.certification.tracks import with_recorded_modes
+from nospill.certification.wording import finding
 from nospill.compiled.codegen import compiles_afterwards
 from nospill.errors import NoSolutionError
-from nospill.judge.limiting import longest_held
-from nospill.judge.tracks import with_recorded_modes
-from nospill.judge.wording import finding
 from nospill.laws.constraints.base import Constraint
 from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base

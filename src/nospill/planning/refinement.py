@@ -7,9 +7,9 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from nospill import diagnosis
+from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.tracks import judged_tracks, variant_tracks
 from nospill.errors import ModelError, NoSolutionError
-from nospill.judge.certificate import Judgement, judge_motion
-from nospill.judge.tracks import judged_tracks, variant_tracks
 from nospill.laws.constraints import DEVIATION_JERK_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory

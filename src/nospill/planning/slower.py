@@ -18,13 +18,13 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.spatial import KDTree
 
+from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.other_speeds import object_traces
+from nospill.certification.tracks import judged_tracks, with_recorded_modes
+from nospill.certification.verdict import Row, worst_row
+from nospill.certification.wording import describe
 from nospill.core.attitudes import angles_between
 from nospill.errors import NoSolutionError
-from nospill.judge.certificate import Judgement, judge_motion
-from nospill.judge.other_speeds import object_traces
-from nospill.judge.tracks import judged_tracks, with_recorded_modes
-from nospill.judge.verdict import Row, worst_row
-from nospill.judge.wording import describe
 from nospill.laws.like_objects import hull_objects
 from nospill.motion.interpolation import HeldMotion
 from nospill.motion.time_law import SHAPES, RetimedMotion, TimeLaw, retimed

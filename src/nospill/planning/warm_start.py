@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from nospill.certification.certificate import judge
 from nospill.errors import ModelError
-from nospill.judge.certificate import judge
 from nospill.laws.constraints import by_name
 from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.scene_parameters import structure_of

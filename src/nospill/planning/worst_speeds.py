@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from nospill.judge.verdict import Row
+from nospill.certification.verdict import Row
 from nospill.scene.variants import VariantId
 
 

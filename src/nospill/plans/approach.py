@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from nospill.approach import find_approach, judge_segment, require_ruckig
+from nospill.certification.certificate import Judgement
+from nospill.certification.full_model import with_full_model
+from nospill.certification.verdict import APPROACH
+from nospill.certification.wording import describe
 from nospill.errors import MOTION, Change, ModelError, NoSolutionError, Reason, ScenarioError
 from nospill.export import Exporter
-from nospill.judge.certificate import Judgement
-from nospill.judge.full_model import with_full_model
-from nospill.judge.verdict import APPROACH
-from nospill.judge.wording import describe
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.resampling import resampled

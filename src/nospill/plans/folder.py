@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from nospill.approach import Segment, segment_text
+from nospill.certification.verdict import Certificate
 from nospill.core.files import atomic_folder
 from nospill.export.plan_files import write_plan_files
-from nospill.judge.verdict import Certificate
 from nospill.motion.trajectory import Trajectory, trajectory_text
 from nospill.plans.names import (
     APPROACH_FILE,

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from nospill.certification.verdict import Certificate
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS, Exporter
-from nospill.judge.verdict import Certificate
 from nospill.motion.holds import hold_periods
 from nospill.motion.interpolation import JointMotion, JointSamples
 from nospill.motion.resampling import HIGHEST_RATE

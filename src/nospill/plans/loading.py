@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from nospill.approach import Segment, read_segment
+from nospill.certification.verdict import Certificate, Row
 from nospill.collisions.pairs import SelfCollision
 from nospill.core.files import parsed_json
 from nospill.errors import PlanFolderError, ScenarioError
-from nospill.judge.verdict import Certificate, Row
 from nospill.laws.constraints import constrained
 from nospill.laws.constraints.base import Constraint
 from nospill.motion.trajectory import read_trajectory

@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nospill.approach import Segment
-from nospill.judge.certificate import Judgement, judge
-from nospill.judge.full_model import with_full_model
-from nospill.judge.histories import ContactLoad, History, ModalStates, contact_load, history_of, modal_states
-from nospill.judge.limiting import limiting_text, savings_text
-from nospill.judge.other_speeds import SpeedUse, uses_at
-from nospill.judge.replay import tray_from_joints
-from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe, finding, full_model_note, remedy
+from nospill.certification.certificate import Judgement, judge
+from nospill.certification.full_model import with_full_model
+from nospill.certification.histories import ContactLoad, History, ModalStates, contact_load, history_of, modal_states
+from nospill.certification.limiting import limiting_text, savings_text
+from nospill.certification.other_speeds import SpeedUse, uses_at
+from nospill.certification.replay import tray_from_joints
+from nospill.certification.verdict import Certificate
+from nospill.certification.wording import describe, finding, full_model_note, remedy
 from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder

@@ -10,10 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from nospill.certification.certificate import certify
+from nospill.certification.verdict import Certificate
 from nospill.errors import NospillError, ScenarioError
 from nospill.export import Exporter
-from nospill.judge.certificate import certify
-from nospill.judge.verdict import Certificate
 from nospill.laws.constraints.jerk import OffsetJerk, PathJerk, TiltJerk, YawJerk
 from nospill.motion.control import commanded_at, followed
 from nospill.motion.fewest_points import fewest_points, part_of

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from nospill.judge.certificate import Judgement
-from nospill.judge.limiting import limiting_rows
-from nospill.judge.other_speeds import SpeedUse
+from nospill.certification.certificate import Judgement
+from nospill.certification.limiting import limiting_rows
+from nospill.certification.other_speeds import SpeedUse
 from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight

@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 
+from nospill.certification.full_model import full_scene
+from nospill.certification.replay import replay
+from nospill.certification.run import run_of
 from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
-from nospill.judge.full_model import full_scene
-from nospill.judge.replay import replay
-from nospill.judge.run import run_of
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.holds import held_trajectory
 from nospill.plans.plan import Plan

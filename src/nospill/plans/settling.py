@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from nospill.judge.verdict import APPROACH, Certificate
+from nospill.certification.verdict import APPROACH, Certificate
 from nospill.laws.constraints.residual_height import STILL_FRACTION, ResidualHeight
 from nospill.scene.scene import Scene
 

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from nospill.judge.verdict import Trace
-from nospill.judge.wording import percent
+from nospill.certification.verdict import Trace
+from nospill.certification.wording import percent
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plots.evidence import Evidence

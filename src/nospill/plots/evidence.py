@@ -9,12 +9,12 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from nospill.certification.certificate import Judgement
+from nospill.certification.limiting import Limiting, limiting_rows, limiting_text
+from nospill.certification.other_speeds import SpeedUse, uses_at
+from nospill.certification.verdict import Row, Trace
 from nospill.core.frames import SX, frame_at_rest
 from nospill.core.trees import constants
-from nospill.judge.certificate import Judgement
-from nospill.judge.limiting import Limiting, limiting_rows, limiting_text
-from nospill.judge.other_speeds import SpeedUse, uses_at
-from nospill.judge.verdict import Row, Trace
 from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.sample import coordinate_count, sample_objects, split_states

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nospill.certification.wording import percent
 from nospill.core.short_names import short_names
-from nospill.judge.wording import percent
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.joint_speed import JointSpeed

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from nospill.judge.limiting import Limiting, limiting_names, share_without_limit
+from nospill.certification.limiting import Limiting, limiting_names, share_without_limit
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLACK, INK, ORANGE, RED, SMALL, WIDTH, headline, plain
 

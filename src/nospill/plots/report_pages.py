@@ -10,7 +10,7 @@ import matplotlib
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from nospill.judge.wording import full_model_note, verdict_line
+from nospill.certification.wording import full_model_note, verdict_line
 from nospill.plots.evidence import Evidence
 from nospill.plots.figures import REPORT_FIGURES
 from nospill.plots.sheets import pdf_of

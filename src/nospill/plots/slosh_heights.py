@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nospill.judge.verdict import Trace, worst_row
-from nospill.judge.wording import row_text
+from nospill.certification.verdict import Trace, worst_row
+from nospill.certification.wording import row_text
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plots.evidence import Evidence

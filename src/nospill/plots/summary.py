@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nospill.certification.wording import describe, full_model_note
 from nospill.core.short_names import cut_apart, short_names
-from nospill.judge.wording import describe, full_model_note
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plots.contact_use import draw_use

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from nospill.certification.rims import rim_distances
+from nospill.certification.verdict import Row
+from nospill.certification.wording import margin_text, row_text
 from nospill.core.short_names import short_names
-from nospill.judge.rims import rim_distances
-from nospill.judge.verdict import Row
-from nospill.judge.wording import margin_text, row_text
 from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.residual_height import ResidualHeight

@@ -5,9 +5,9 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from nospill.certification.verdict import Row
+from nospill.certification.wording import integrity_line, row_text
 from nospill.core.short_names import short_names
-from nospill.judge.verdict import Row
-from nospill.judge.wording import integrity_line, row_text
 from nospill.plots.evidence import Evidence
 from nospill.plots.style import BLUE, DARK_RED, RED, SMALL, plain
 

@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
+from nospill.certification.verdict import Certificate
+from nospill.certification.wording import describe, finding, full_model_note, integrity_line, row_text
 from nospill.execution.executed import Executed
-from nospill.judge.verdict import Certificate
-from nospill.judge.wording import describe, finding, full_model_note, integrity_line, row_text
 from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.certification.wording import describe, percent, row_text
 from nospill.execution.bands import NOT_CERTIFIED
 from nospill.execution.executed import Executed
 from nospill.execution.record import band_text, height_text, log_lines, mark, open_line, tracking_lines, verdict
-from nospill.judge.wording import describe, percent, row_text
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plots.executed import executed_svg
 from nospill.plots.text_pages import TextTable

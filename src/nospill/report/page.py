@@ -6,9 +6,9 @@ import base64
 from collections.abc import Mapping, Sequence
 from html import escape
 
+from nospill.certification.verdict import Certificate, Row
+from nospill.certification.wording import integrity_line, row_text
 from nospill.core.short_names import short_names
-from nospill.judge.verdict import Certificate, Row
-from nospill.judge.wording import integrity_line, row_text
 from nospill.plots.text_pages import TextTable
 from nospill.plots.tiles import carried
 from nospill.report.contents import NOT_PROVEN, Report, certificate_table

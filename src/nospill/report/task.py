@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from nospill.approach import Segment
+from nospill.certification.rims import RimDistance, rim_distances
+from nospill.certification.verdict import Certificate
+from nospill.certification.wording import row_text, shown_unit
 from nospill.core.short_names import short_names
 from nospill.core.units import format_quantity, superscript
-from nospill.judge.rims import RimDistance, rim_distances
-from nospill.judge.verdict import Certificate
-from nospill.judge.wording import row_text, shown_unit
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import MotionKey, Role, RowId
 from nospill.laws.constraints.joint_position import JointPosition

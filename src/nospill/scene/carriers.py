@@ -7,7 +7,7 @@ degree, its moment of the second. So the sum over any number of equal liquids is
 with a quarter of all the masses each, where c is the mean of their places and s_i^2, e_i their variances and the axes
 of those. That is exact to the second degree, and to the third where the places are symmetric, as in an array.
 Linear is what swings low: the first mode slides on a paraboloid, and at crests above half the radius the judge takes
-every liquid by itself (`judge/carriers.py`); the optimiser keeps the four.
+every liquid by itself (`certification/carriers.py`); the optimiser keeps the four.
 """
 
 from __future__ import annotations

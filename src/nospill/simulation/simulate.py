@@ -16,10 +16,10 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
+from nospill.certification.replay import liquid_steps
 from nospill.core.frames import SX, body_motion
 from nospill.core.trees import constants, flatten
 from nospill.errors import ModelError, ScenarioError
-from nospill.judge.replay import liquid_steps
 from nospill.laws.kinds import lone_object_kind
 from nospill.laws.parameters import YAW_AXES, ObjectNumbers, ObjectStructure
 from nospill.laws.sample import object_states

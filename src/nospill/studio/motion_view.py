@@ -5,8 +5,8 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any
 
+from nospill.certification.certificate import judge
 from nospill.drawing.timeline import make_film
-from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.viewer.charts import draw_charts
 from nospill.viewer.live import short_titles

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from nospill.certification.verdict import Row
+from nospill.certification.wording import integrity_line, row_text
 from nospill.core.short_names import short_names
 from nospill.drawing.colours import use_colours
-from nospill.judge.verdict import Row
-from nospill.judge.wording import integrity_line, row_text
 from nospill.plans.plan import Plan
 from nospill.plans.warnings.record import PlanWarning, warning_lines
 from nospill.studio.checks import Fault

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from nospill.certification.certificate import judge
 from nospill.drawing.props import Placed
 from nospill.drawing.timeline import make_film
 from nospill.film.writing import Format, save_film
-from nospill.judge.certificate import judge
 from nospill.plans.plan import Plan
 from nospill.verify.engine import build, simulate
 from nospill.verify.tray_motion import PlayedJoints

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.certification.limiting import limiting_names, limiting_rows
 from nospill.core.short_names import short_names
 from nospill.drawing.timeline import Film
-from nospill.judge.limiting import limiting_names, limiting_rows
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.scene.cargo import titles_of
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from nospill.certification.limiting import limiting_rows, limiting_text
 from nospill.drawing.timeline import Film
-from nospill.judge.limiting import limiting_rows, limiting_text
 from nospill.scene.cargo import titles_of
 from nospill.scene.scene import Scene
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, cast
 
-from nospill.judge.replay import liquid_steps
-from nospill.judge.traces import object_figures_function, tray_figures_function
+from nospill.certification.replay import liquid_steps
+from nospill.certification.traces import object_figures_function, tray_figures_function
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import motion_kind, object_kind, tray_kind
 from nospill.laws.parameters import Structure

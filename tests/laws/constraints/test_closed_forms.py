@@ -9,9 +9,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from nospill.certification.replay import slosh_accelerations
 from nospill.core.frames import FrameMotion, rotation_y
 from nospill.core.trees import constants
-from nospill.judge.replay import slosh_accelerations
 from nospill.laws.constraints import (
     CONSTRAINTS,
     OF_BODIES,

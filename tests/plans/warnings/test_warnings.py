@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from nospill.judge.certificate import Judgement, judge
+from nospill.certification.certificate import Judgement, judge
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.warnings import WARNINGS, plan_warnings

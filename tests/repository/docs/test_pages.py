@@ -21,8 +21,8 @@ from nospill_docs.pages import as_of_the_site, contents
 from nospill_docs.places import Places
 from nospill_docs.transcripts import session
 
+from nospill.certification.certificate import certify
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.judge.certificate import certify
 from nospill.planning.planner import plan
 from nospill.scenario import read_scenario
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from nospill.certification.certificate import certify
 from nospill.errors import NospillError
-from nospill.judge.certificate import certify
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 

@@ -14,7 +14,7 @@ from types import ModuleType
 
 from matplotlib.figure import Figure
 
-from nospill.judge.certificate import judge
+from nospill.certification.certificate import judge
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.plots.evidence import Evidence

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from nospill.judge.certificate import judge
-from nospill.judge.verdict import Trace
+from nospill.certification.certificate import judge
+from nospill.certification.verdict import Trace
 from nospill.margins import Ranges
 from nospill.margins.study import margins
 from nospill.plans.plan import Plan

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from nospill.judge.certificate import Judgement
+from nospill.certification.certificate import Judgement
 from nospill.plans.warnings.arm import (
     below_the_base,
     doubts,

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from nospill.judge.path_deviation import nearest_on
-from nospill.judge.record_checks import ATTITUDE_TOLERANCE, POSITION_TOLERANCE
+from nospill.certification.path_deviation import nearest_on
+from nospill.certification.record_checks import ATTITUDE_TOLERANCE, POSITION_TOLERANCE
 from nospill.plans.warnings.record import Facts, PlanWarning
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from nospill.judge.certificate import Judgement
+from nospill.certification.certificate import Judgement
 from nospill.scene.scene import Scene
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from nospill.judge.other_speeds import SpeedUse
-from nospill.judge.wording import percent
+from nospill.certification.other_speeds import SpeedUse
+from nospill.certification.wording import percent
 from nospill.plans.warnings.record import PlanWarning
 
 

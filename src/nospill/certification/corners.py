@@ -1,0 +1,167 @@
+"""What is judged in addition to the scene as stated: variants of its objects, and the motion at other speeds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from nospill.certification.between_instants import peaks_between, with_peaks
+from nospill.certification.carriers import with_liquids_apart
+from nospill.certification.load_extremes import worst_load_traces
+from nospill.certification.replay import MINIMUM_RATE, Replay, replay
+from nospill.certification.traces import constraint_traces
+from nospill.certification.verdict import Trace
+from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, RowId
+from nospill.laws.constraints.joint_torque import JointTorque
+from nospill.laws.like_objects import hull_objects
+from nospill.motion.at_speed import SlowedMotion, at_speed
+from nospill.motion.interpolation import JointMotion
+from nospill.motion.trajectory import Trajectory
+from nospill.scene.scene import Scene
+from nospill.scene.tolerances import Corner, corner_scenes, is_uncertain
+from nospill.scene.variants import speed_text
+
+_OF_SLOWED = 0.25
+"""Part of the rate of the grid at which slower motions are judged: 500 Hz for 2 kHz, uses agree within 0.1 %."""
+
+_NEAR = 0.03
+"""Part of a limit; a use nearer to it than that at a speed of the grid may exceed it near that (1.6 % seen)."""
+
+_CLOSE, _LOOKS, _SAME = 0.0045, 2, 3e-5
+"""Between speeds v that come near a limit: distance of their 1/v in the first look; further looks, each at the vertices
+of the parabolas through those before; and the part of a speed by which two differ at least."""
+
+_BROKEN = 0.05
+"""Part of a limit; where one is broken by more at a speed of the grid, nothing is looked at between them."""
+
+
+def corner_traces(
+    trajectory: Trajectory,
+    scene: Scene,
+    *,
+    motion: JointMotion | None = None,
+    rate: float = MINIMUM_RATE,
+    played: Replay | None = None,
+) -> Iterator[Trace]:
+    """Traces of every constraint on every variant of the objects, one at a time.
+
+    There are none where all numbers are certain at one speed.
+
+    Args:
+        trajectory: the record, with its holds.
+        scene: what it must keep to.
+        motion: what the receiver's joints do; the spline through the recorded positions when left out.
+        rate: Hz, the least rate of the grid.
+        played: the replay of the scene as stated; with it, joint torques under the worst load too.
+    """
+    corners, uses = list(corner_scenes(scene)), dict[RowId, dict[float, float]]()
+
+    def looked_at(some: Iterable[Corner]) -> Iterator[Trace]:
+        for corner in some:
+            for trace in _corner_traces(trajectory, corner, motion, rate):
+                use = uses.setdefault(trace.id, {})
+                use[corner.speed] = max(use.get(corner.speed, 0.0), float(np.max(trace.use)))
+                yield trace
+
+    yield from looked_at(corners)
+    if max((max(use.values()) for use in uses.values()), default=0.0) < 1.0 + _BROKEN:
+        for between in (closer, *_LOOKS * (vertices,)):
+            yield from looked_at(_at_speeds(corners, uses, between))
+    if scene.motion.speeds:
+        yield from _torques(trajectory, scene, scene.motion.speeds[-1], motion, rate)
+    if is_uncertain(scene) and played is not None:
+        yield from worst_load_traces(scene, played)
+
+
+def _corner_traces(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, rate: float) -> Iterator[Trace]:
+    """The traces of a corner's objects, on the clock of the planned motion; at other speeds of the outer ones."""
+    speed, scene = corner.speed, corner.scene
+    if speed == 1.0:
+        motion = motion or trajectory.motion
+        played = replay(trajectory, scene, motion=motion, rate=rate)
+        traces = constraint_traces(trajectory, scene, played, points=OF_OBJECTS)
+        traces = with_peaks(traces, peaks_between(trajectory, scene, played, traces, motion))
+        traces = with_liquids_apart(traces, trajectory, scene, motion=motion, rate=rate)
+    else:
+        scene = replace(scene, cargo=hull_objects(scene))
+        slow, played = _slow_down(trajectory, scene, speed, motion, rate)
+        traces = constraint_traces(slow, scene, played, points=OF_OBJECTS)
+        joints = None if motion is None else SlowedMotion(motion, speed)
+        traces = with_liquids_apart(traces, slow, scene, motion=joints, rate=_OF_SLOWED * rate)
+        traces = tuple(replace(trace, t=trace.t * speed) for trace in traces)
+    for trace in traces:
+        if trace.subject in corner.texts:
+            yield replace(trace, variant=corner.texts[trace.subject])
+
+
+def _slow_down(
+    trajectory: Trajectory, scene: Scene, speed: float, motion: JointMotion | None, rate: float
+) -> tuple[Trajectory, Replay]:
+    """The record of a motion at a part of its speed, and its replay."""
+    slow = at_speed(trajectory, speed)
+    joints = None if motion is None else SlowedMotion(motion, speed)
+    return slow, replay(slow, scene, motion=joints, rate=_OF_SLOWED * rate)
+
+
+def _torques(
+    trajectory: Trajectory, scene: Scene, least: float, motion: JointMotion | None, rate: float
+) -> Iterator[Trace]:
+    """Torques at the least speed: they are linear in its square, so that between it and the planned one they are less.
+
+    Under the worst load where masses may be off.
+    """
+    slow, played = _slow_down(trajectory, replace(scene, cargo=()), least, motion, rate)
+    traces = constraint_traces(slow, scene, played, points=[EvaluationPoint.JOINT])
+    traces = (*traces, *worst_load_traces(scene, played)) if is_uncertain(scene) else traces
+    for trace in traces:
+        if trace.constraint == JointTorque.name:
+            yield replace(trace, t=trace.t * least, variant=speed_text(least))
+
+
+def _at_speeds(
+    corners: Sequence[Corner],
+    uses: Mapping[RowId, Mapping[float, float]],
+    between: Callable[[Mapping[float, float]], Iterable[float]],
+) -> list[Corner]:
+    """Corners at speeds between those of the grid, of the objects whose uses ask for them: of those tried nearby."""
+    asking: dict[float, set[str]] = {}
+    for row, use in uses.items():
+        for speed in between(use):
+            asking.setdefault(speed, set()).add(row.subject)
+    grid = sorted({corner.speed for corner in corners})
+    chosen = []
+    for speed, names in asking.items():
+        nearest = min(grid, key=lambda tried: abs(tried - speed))
+        for tried in (corner for corner in corners if corner.speed == nearest):
+            cargo = tuple(item for item in tried.scene.cargo if item.name in names.intersection(tried.texts))
+            if cargo:
+                chosen.append(replace(tried, scene=replace(tried.scene, cargo=cargo), speed=speed))
+    return chosen
+
+
+def closer(use: Mapping[float, float]) -> set[float]:
+    """Speeds between neighbours of which one comes near a limit without exceeding it, from the uses at some speeds."""
+    found = set[float]()
+    for first, last in pairwise(sorted(use)):
+        if 1.0 - _NEAR < max(use[first], use[last]) <= 1.0:
+            slow, fast = 1.0 / first, 1.0 / last
+            count = math.ceil((slow - fast) / _CLOSE - 1e-9)
+            found |= {round(float(1.0 / inverse), 6) for inverse in np.linspace(slow, fast, count + 1)[1:-1]}
+    return found
+
+
+def vertices(use: Mapping[float, float]) -> set[float]:
+    """Speeds at which a use just below its limit is largest: vertices of parabolas, from the uses at some speeds."""
+    between, speeds = set[float](), sorted(use)
+    for first, middle, last in zip(speeds, speeds[1:], speeds[2:], strict=False):
+        before, most, after = (use[speed] for speed in (first, middle, last))
+        if 1.0 - _NEAR < most <= 1.0 and before <= most >= after and before + after < 2.0 * most:
+            below, above = (middle - first) * (most - after), (last - middle) * (most - before)
+            vertex = middle + 0.5 * ((last - middle) * above - (middle - first) * below) / (below + above)
+            if min(abs(vertex - speed) for speed in (first, middle, last)) > _SAME * middle:
+                between.add(round(vertex, 6))
+    return between

@@ -1,0 +1,138 @@
+"""Motions that must hold at every speed of a range: what is judged, and at which speeds others join the problem."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nospill.certification.certificate import judge_motion
+from nospill.certification.corners import _LOOKS, _at_speeds, closer, vertices
+from nospill.certification.other_speeds import uses_at
+from nospill.certification.tracks import variant_tracks
+from nospill.certification.verdict import Row
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import Role, RowId
+from nospill.planning.worst_speeds import adjacent_members, evenly, peaks
+from nospill.scene.scene import SPEED_STEP
+from nospill.scene.tolerances import corner_scenes
+from nospill.scene.variants import variants_by_object
+
+
+def with_range(scene, least: float, greatest: float = 1.0):
+    return replace(scene, motion=replace(scene.motion, speed_range=(least, greatest)))
+
+
+def test_speeds_of_a_range_are_close_to_each_other(smooth_motion: Callable) -> None:
+    scene = with_range(smooth_motion("mixed-tray").scene, 0.25)
+    speeds = scene.motion.speeds
+    assert speeds[-1] == 0.25 and speeds[0] < 1.0
+    steps = np.diff(1.0 / np.array([1.0, *speeds]))
+    assert np.all(steps > 0.0) and np.all(steps < SPEED_STEP + 2e-4)  # speeds are rounded
+    assert with_range(scene, 0.5, 0.8).motion.speeds[0] == 0.8
+    assert replace(scene.motion, speed_range=None).speeds == ()
+
+
+def test_solids_are_tried_at_both_ends_and_liquids_at_every_speed(smooth_motion: Callable) -> None:
+    scene = with_range(smooth_motion("mixed-tray").scene, 0.9)
+    count = len(scene.motion.speeds)
+    families = {own[0].name: own for own in variants_by_object(scene)}
+    assert len(families["cup"]) == 1 + count and len(families["bottle"]) == 3
+    assert families["cup"][-1].id == ("cup", "90 % of the speed")
+    assert families["cup"][-1].cargo_at_speed.speed == 0.9 and families["cup"][0].cargo_at_speed is scene.cargo[0]
+
+
+def test_rows_of_a_range_are_the_uses_at_its_speeds(smooth_motion: Callable) -> None:
+    """Against the look at other speeds, which knows nothing of variants."""
+    motion = smooth_motion("mixed-tray", stretch=0.8, tilt=(0.1, 0.05))
+    scene = with_range(motion.scene, 0.9)
+    judgement = judge_motion(motion.trajectory, scene)
+    for speed in scene.motion.speeds[::4]:
+        (use,) = uses_at(motion.trajectory, motion.scene, [speed])
+        text = f"{100 * speed:.4g} % of the speed"
+        rows = [row for row in judgement.corners if row.variant == text]  # further ones are between the speeds
+        first = {(row.constraint, row.subject): row for row in reversed(rows)}.values()
+        liquid = max(row.use for row in first if BY_NAME[row.constraint].role is Role.LIQUID)
+        assert liquid == pytest.approx(use.liquid, rel=1e-6)
+    worst = max((row for row in judgement.corners if row.constraint == "slosh height"), key=lambda row: row.use)
+    assert 0.0 <= worst.at_s <= motion.trajectory.end_time + 1e-9  # on the planned motion's clock
+    torque = [row for row in judgement.corners if row.constraint == "joint torque"]
+    assert {row.variant for row in torque} <= {"90 % of the speed"}
+
+
+def test_liquids_of_slow_motions_start_a_problem_in_its_own_time(smooth_motion: Callable) -> None:
+    """Rates of displacements on the clock of the planned motion."""
+    motion = smooth_motion("mixed-tray", stretch=0.8, tilt=(0.1, 0.05))
+    scene = with_range(motion.scene, 0.5)
+    chosen = ("cup", "50 % of the speed")
+    track = variant_tracks(motion.trajectory, scene, {chosen: "slow"})["slow"]
+    found = np.gradient(track.displacement, motion.trajectory.t, axis=0)[2:-2]
+    assert np.allclose(found, track.velocity[2:-2], atol=2e-2 * np.abs(track.velocity).max())
+
+
+def test_peaks_are_local_and_of_the_worst_object() -> None:
+    speeds = {("a", ""): 1.0} | {(name, str(speed)): speed / 10 for name in "ab" for speed in range(1, 10)}
+
+    def row(name: str, speed: int, use: float, constraint: str = "slip") -> Row:
+        return Row(constraint, name, "1", 1.0, use, 1.0 - use, 0.0, use <= 1.0, str(speed))
+
+    uses = {1: 0.2, 2: 0.5, 3: 0.9, 4: 0.8, 5: 0.8, 6: 1.5, 7: 1.2, 8: 0.1, 9: 0.4}
+    rows = [row("a", speed, use) for speed, use in uses.items()] + [row("b", 7, 1.7), row("b", 3, 0.1)]
+    found = {(item.subject, item.variant) for item in peaks([*rows, row("a", 5, 2.0, "tip")], speeds)}
+    assert found == {("a", "3"), ("b", "7"), ("a", "9"), ("a", "5")}
+
+
+def test_even_steps_of_slowness_hold_the_worst_object_at_each() -> None:
+    """Between 1/v = 1.25 and 4 in steps of at most 0.5: seven speeds, each the nearest of those that were judged."""
+    values = [round(0.8 * 0.99**index, 6) for index in range(117)]
+    speeds = {(name, f"{value}"): value for name in "ab" for value in values}
+
+    def row(name: str, value: float, use: float) -> Row:
+        return Row("residual height", name, "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, f"{value}")
+
+    rows = [row("a", value, 2.0) for value in values] + [row("b", value, 3.0) for value in values if value < 0.4]
+    found = evenly(rows, speeds, 0.5)
+    slowness = np.array([1.0 / speeds[item.subject, item.variant] for item in found])
+    assert len(found) == math.ceil((1 / values[-1] - 1 / values[0]) / 0.5) + 1
+    assert np.abs(np.diff(slowness)).max() < 0.5 * 1.05 and slowness.max() == pytest.approx(1 / values[-1])
+    assert all((item.subject == "b") == (item.use == 3.0) == (float(item.variant) < 0.4) for item in found)
+    assert evenly([], speeds, 0.5) == []
+
+    members = [("a", ""), *(("a", f"{value}") for value in values[:20:5])]
+    known = speeds | {("a", ""): 1.0}
+    assert adjacent_members(values[7], members, known) == [("a", f"{values[5]}"), ("a", f"{values[10]}")]
+    assert adjacent_members(values[50], members, known) == [("a", f"{values[15]}")]
+    assert adjacent_members(values[7], members[:1], known) == []
+
+
+@pytest.mark.parametrize("at", np.linspace(3.7, 3.7 + SPEED_STEP, 9).tolist())
+def test_looks_between_speeds_find_a_narrow_peak(at: float) -> None:
+    """One as narrow as the steps of 1/v, wherever it stands between two of them."""
+
+    def use(speed: float) -> float:
+        return 0.985 + 0.0145 * math.exp(-(((1.0 / speed - at) / SPEED_STEP) ** 2))
+
+    known = {1.0 / slowness: use(1.0 / slowness) for slowness in (3.7 + SPEED_STEP * np.arange(-2, 4)).tolist()}
+    for look in (closer, *_LOOKS * (vertices,)):
+        known |= {speed: use(speed) for speed in look(known)}
+    assert max(known.values()) > use(1.0 / at) - 5e-5
+
+
+def test_no_look_between_speeds_far_from_a_limit_or_over_it() -> None:
+    for most in (0.96, 1.01):
+        use = {0.5: 0.9, 0.51: most, 0.52: 0.9}
+        assert closer(use) == set() == vertices(use)
+    assert len(closer({0.5: 0.9, 0.51: 0.99, 0.52: 0.9})) > 10
+
+
+def test_between_speeds_only_what_asks_and_is_tried_there_is_played(smooth_motion: Callable) -> None:
+    """Solids are tried at both ends, which say all of them: none is played between, however near to a limit."""
+    corners = list(corner_scenes(with_range(smooth_motion("mixed-tray").scene, 0.5)))
+    uses = {RowId("slip", name): {0.5: 0.99, 0.9877: 0.99} for name in ("bottle", "cup")}
+    found = _at_speeds(corners, uses, closer)
+    assert len(found) > 100
+    assert all([item.name for item in own.scene.cargo] == ["cup"] for own in found if 0.51 < own.speed < 0.97)
+    assert _at_speeds(corners, {}, closer) == []
