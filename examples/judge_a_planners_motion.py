@@ -25,7 +25,7 @@ for acceleration in (10.0, 3.0, 1.5):  # rad/s^2, of the fastest joint; no plann
     t = np.linspace(0.0, trajectory.duration, 250)
     progress = np.array([trajectory.at_time(time)[0][0] for time in t])
     np.savez("motion.npz", t=t, q=line(progress), joint_names=scene.robot.joints)
-    judged = ns.judge_file("motion.npz", scene, receiver="cubic")
+    judged = ns.judge("motion.npz", scene, receiver="cubic")
     motions.append((f"ruckig, {acceleration:g} rad/s²", trajectory.duration, judged.certificate))
 
 for name, duration, certificate in motions:

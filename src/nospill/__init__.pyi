@@ -22,7 +22,7 @@ from nospill.laws.constraints.base import Role as Role
 from nospill.laws.sample import Sample as Sample
 from nospill.motion.trajectory import Trajectory as Trajectory
 from nospill.motion_files.judging import JudgedMotion as JudgedMotion
-from nospill.motion_files.judging import judge_file as judge_file
+from nospill.motion_files.judging import judge as judge
 from nospill.planning.planner import Planner as Planner
 from nospill.planning.planner import plan as plan
 from nospill.planning.retiming import retime as retime

@@ -38,12 +38,29 @@ def test_json_has_codes_and_first_points(motion: Path) -> None:
     assert {failure["code"] for failure in table["failures"]} == failing != set()
 
 
+def test_verdict_figures_and_a_page_are_written(motion: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "judged"
+    folder.mkdir()
+    (folder / "verdict.json").write_text("of an earlier one, which is replaced")
+    result = nospill("judge", str(motion), "--scenario", "pp-two-cups", "-o", str(folder))
+    assert f"written to {folder}" in result.stdout
+    assert {item.name for item in folder.iterdir()} == {"verdict.json", "figures", "motion.html"}
+    table = json.loads((folder / "verdict.json").read_text())
+    assert table["ok"] == (result.exit_code == 0)
+    assert {"summary.png", "joints.png", "slosh-heights.png"} <= {item.name for item in (folder / "figures").iterdir()}
+    page = (folder / "motion.html").read_text()
+    assert "the fastest motion found" not in page and "pp-two-cups" in page
+    (folder / "notes.txt").write_text("mine")
+    result = nospill("judge", str(motion), "--scenario", "pp-two-cups", "-o", str(folder))
+    assert result.exit_code == 2 and (folder / "notes.txt").read_text() == "mine"
+
+
 def test_a_plan_folder_is_checked_by_its_own_scenario(gentle_plan, tmp_path: Path) -> None:
     gentle_plan("pp-two-cups", 1).save(tmp_path / "plan")
     result = nospill("judge", str(tmp_path / "plan"))
     assert result.exit_code == 0 and "robot.csv holds the motion of the trajectory" in result.stdout
     result = nospill("judge", str(tmp_path / "plan"), "--scenario", "pp-two-cups")
-    assert result.exit_code == 2 and "leave --scenario and --as out" in result.stderr
+    assert result.exit_code == 2 and "leave --scenario, --as and -o out" in result.stderr
 
 
 def test_what_is_missing_is_asked_for(motion: Path) -> None:

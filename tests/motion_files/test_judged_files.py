@@ -16,7 +16,7 @@ from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
 from nospill.motion.interpolation import CUBIC_HERMITE, JointSamples, linear_at
 from nospill.motion.resampling import resampled
-from nospill.motion_files.judging import judge_file
+from nospill.motion_files.judging import judge
 from nospill.motion_files.receivers import RECEIVERS
 from nospill.plans.plan import Plan
 
@@ -37,7 +37,7 @@ def files(plan: Plan, tmp_path_factory: pytest.TempPathFactory) -> dict[float, P
 
 
 def test_the_plan_s_own_motion_has_the_plan_s_rows(plan: Plan, files: dict[float, Path]) -> None:
-    judged = judge_file(files[1000.0], plan.scene)
+    judged = judge(files[1000.0], plan.scene)
     assert judged.certificate.ok and judged.failures() == []
     planned = {row.id: row for row in certify(plan.trajectory, plan.scene).rows}
     compared = [row for row in judged.certificate.rows if row.id in planned]
@@ -60,7 +60,7 @@ def by_scipy(name: str, samples: JointSamples) -> Callable[[np.ndarray], np.ndar
 def test_sparse_points_are_judged_as_another_library_plays_them(
     name: str, plan: Plan, files: dict[float, Path]
 ) -> None:
-    judged = judge_file(files[10.0], plan.scene, receiver=name)
+    judged = judge(files[10.0], plan.scene, receiver=name)
     samples = judged.file.samples
     t = np.arange(0.0, samples.t[-1] + 1e-9, 2.5e-4)
     theirs = {row.id: row for row in certify_joints(t, by_scipy(name, samples)(t), plan.scene).rows}
@@ -74,8 +74,8 @@ def test_sparse_points_are_judged_as_another_library_plays_them(
 
 def test_points_that_are_played_otherwise_are_another_motion(plan: Plan, files: dict[float, Path]) -> None:
     """Straight lines between ten points a second: the same places, and jumps of the speed that slide and spill."""
-    kind = judge_file(files[10.0], plan.scene)
-    lines = judge_file(files[10.0], plan.scene, receiver="linear")
+    kind = judge(files[10.0], plan.scene)
+    lines = judge(files[10.0], plan.scene, receiver="linear")
     assert not lines.certificate.ok
     worst = {row.id: row for row in lines.certificate.rows}
     for row in kind.certificate.rows:
@@ -108,10 +108,10 @@ def test_cubics_have_the_speeds_of_the_points() -> None:
 
 def test_receivers_that_take_no_such_points(plan: Plan, files: dict[float, Path]) -> None:
     with pytest.raises(ScenarioError, match="servoj plays a point every 8 ms or less, and points are up to 20 ms"):
-        judge_file(files[50.0], plan.scene, receiver="servoj")
+        judge(files[50.0], plan.scene, receiver="servoj")
     with pytest.raises(ScenarioError, match=f'"moveit" is no receiver; there are: {", ".join(RECEIVERS)}'):
-        judge_file(files[50.0], plan.scene, receiver="moveit")
-    assert judge_file(files[1000.0], plan.scene, receiver="fci").certificate.ok
+        judge(files[50.0], plan.scene, receiver="moveit")
+    assert judge(files[1000.0], plan.scene, receiver="fci").certificate.ok
 
 
 def test_a_tray_that_leans_at_the_first_point_is_refused(plan: Plan, tmp_path: Path) -> None:
@@ -119,14 +119,14 @@ def test_a_tray_that_leans_at_the_first_point_is_refused(plan: Plan, tmp_path: P
     leaning = replace(samples, position=samples.position + 0.02 * np.eye(6)[4])
     EXPORTERS["joint-trajectory"].write(leaning, plan.scene, tmp_path / "leaning.yaml")
     with pytest.raises(ScenarioError, match=r"the tray leans by 1\.15 deg at first"):
-        judge_file(tmp_path / "leaning.yaml", plan.scene)
+        judge(tmp_path / "leaning.yaml", plan.scene)
 
 
 def test_a_controller_in_the_scene_plays_the_points_late(plan: Plan, files: dict[float, Path]) -> None:
     """The joints by a first-order lag, as SciPy integrates it, and certified as samples; not the points themselves."""
     lag = 0.03
     scene = plan.scene.changed({"controller": {"lag": lag}})
-    judged = judge_file(files[1000.0], scene)
+    judged = judge(files[1000.0], scene)
     assert "the joints follow with the delay and lag of [controller]" in judged.played_text
     command = judged.played.motion(judged.file.samples)
     t = np.arange(0.0, judged.file.samples.t[-1] + 0.5, 5e-4)
@@ -140,7 +140,7 @@ def test_a_controller_in_the_scene_plays_the_points_late(plan: Plan, files: dict
         max_step=2e-3,
     ).y.T
     theirs = {row.id: row for row in certify_joints(t, followed, plan.scene).rows}
-    exact = {row.id: row for row in judge_file(files[1000.0], plan.scene).certificate.rows}
+    exact = {row.id: row for row in judge(files[1000.0], plan.scene).certificate.rows}
     apart = 0.0
     for row in judged.certificate.rows:
         if row.constraint in ("slosh height", "slip", "residual height"):
@@ -151,8 +151,8 @@ def test_a_controller_in_the_scene_plays_the_points_late(plan: Plan, files: dict
 
 def test_tolerances_of_objects_count_for_files_too(plan: Plan, files: dict[float, Path]) -> None:
     scene = plan.scene.changed({"cargo.0.tolerance": {"liquid_height": "3 mm", "friction": "10 %"}})
-    stated = {row.id: row for row in judge_file(files[1000.0], plan.scene).certificate.rows}
-    with_tolerance = {row.id: row for row in judge_file(files[1000.0], scene).certificate.rows}
+    stated = {row.id: row for row in judge(files[1000.0], plan.scene).certificate.rows}
+    with_tolerance = {row.id: row for row in judge(files[1000.0], scene).certificate.rows}
     assert with_tolerance.keys() == stated.keys()
     worse = [key for key, row in with_tolerance.items() if row.use > stated[key].use + 1e-3 and row.variant]
     assert {key.constraint for key in worse} >= {"slip", "residual height"}

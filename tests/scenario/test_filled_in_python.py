@@ -160,7 +160,7 @@ def test_tables_may_stand_in_a_dictionary_and_in_changes() -> None:
         ),
         (lambda: ns.Cylinder(name="c1", at=[0, 0], radius=35, height=0.1), r'radius 35 has no unit.*write "35 mm"$'),
         (lambda: ns.Motion(tilt="fre"), r'^Motion: tilt "fre" is not one of "fixed" or "free"'),  # type: ignore[arg-type]
-        (lambda: ns.Scenario(robot=ROBOT), r"^Scenario: tray is missing: the board.*2 more"),  # type: ignore[call-arg]
+        (lambda: ns.Scenario(robot=ROBOT), r"^Scenario: tray is missing: the board.*1 more"),  # type: ignore[call-arg]
         (lambda: ns.Robot(limits={"sped": 1}), r'^Robot: limits: unknown key "sped"; did you mean'),  # type: ignore[arg-type]
         (lambda: ns.load(ns.Motion()), r"a Scenario or a dictionary, not a value of type Motion$"),  # type: ignore[arg-type]
         (

@@ -26,7 +26,7 @@ def test_a_dictionary_is_a_scenario() -> None:
     [
         (TABLE | {"tray": {}}, r"^scenario: \[tray\]: size is missing"),
         (TABLE | {"motion": {"tlt": 1}}, r'^scenario: \[motion\]: unknown key "tlt"; did you mean "tilt"\?$'),
-        ({}, r"^scenario: \[robot\] is missing.*and 3 more mistakes"),
+        ({}, r"^scenario: \[robot\] is missing.*and 2 more mistakes"),
         (TABLE | {1: 2}, r"^scenario: key 1 is not text"),
         (TABLE | {"cargo": [{2: 3}]}, r"^scenario: key 2 is not text"),
         (TABLE | {"cargo": 3}, r"^scenario: cargo 3 is not a list"),

@@ -74,11 +74,13 @@ class SpeedUse:
 def uses_at(trajectory: Trajectory, scene: Scene, speeds: Iterable[float] = SPEEDS) -> tuple[SpeedUse, ...]:
     """Largest uses of a motion, without its holds, at some speeds: of like objects those of the outer ones.
 
+    None without objects.
+
     Raises:
         ModelError: the liquids cannot be integrated at one of them.
     """
     scene, motion = replace(scene, cargo=hull_objects(scene)), trajectory.motion
-    return tuple(_use(trajectory, scene, motion, speed) for speed in speeds)
+    return tuple(_use(trajectory, scene, motion, speed) for speed in speeds) if scene.cargo else ()
 
 
 def object_traces(record: Trajectory, scene: Scene, motion: JointMotion) -> tuple[Trace, ...]:

@@ -90,6 +90,8 @@ def finding(certificate: Certificate) -> str:
 def integrity_line(certificate: Certificate) -> str:
     """What the rows about the record itself say, on one line."""
     checks = certificate.record_rows()
+    if not checks:
+        return "no record of a plan: joints alone are judged"
     failed = [row.constraint for row in checks if not row.ok]
     if failed:
         return f"integrity of the file: {len(failed)} of {len(checks)} checks fail ({', '.join(failed)})"

@@ -94,6 +94,8 @@ def _print_verification(report: VerifyReport) -> None:
     still = "every object stays" if all(item.ok for item in report.objects) else "not every object stays"
     touching = ", ".join(f"{item.body} touches {item.obstacle}" for item in report.touches)
     verdict = f"{still} within {table['threshold_mm']:g} mm and {table['threshold_deg']:g} deg"
+    if not report.objects:
+        verdict = "nothing stands on the tray that could move"
     verdict += f"; {touching}" if touching else ""
     objects = table["objects"]
     print_verdict(verdict, report.ok)

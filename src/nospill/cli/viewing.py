@@ -17,7 +17,8 @@ if TYPE_CHECKING:  # for annotations only, as everything heavy is imported insid
     from nospill.drawing.timeline import Film
     from nospill.viewer.meshes import Visuals
 
-_AFTER_END = 0.5
+AFTER_END = 0.5
+"""s; for which the liquids swing on in the picture."""
 
 
 def view(
@@ -47,7 +48,7 @@ def view(
     if html is not None:
         from nospill.viewer.html import HTML_RATE, LARGEST_FILE, save_html
 
-        films = load_films(folders, rate=HTML_RATE, after_end=_AFTER_END)
+        films = load_films(folders, rate=HTML_RATE, after_end=AFTER_END)
         size = save_html(films, html, visuals=_visuals(urdf, films), view=seen)
         print(f"written to {html} ({size / 1e6:.1f} MB)")
         if size > LARGEST_FILE:
@@ -56,7 +57,7 @@ def view(
         return 0
     from nospill.viewer.live import LIVE_RATE, live_viewer
 
-    films = load_films(folders, rate=LIVE_RATE, after_end=_AFTER_END)
+    films = load_films(folders, rate=LIVE_RATE, after_end=AFTER_END)
     visuals = _visuals(urdf, films)
     with suppress(KeyboardInterrupt), live_viewer(films, port=port, visuals=visuals, view=seen) as (address, _):
         print(f"{address}  (stop with Ctrl-C)", flush=True)

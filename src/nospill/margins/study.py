@@ -96,8 +96,8 @@ def margins(
         progress: called after each batch.
 
     Raises:
-        ScenarioError: a number of samples that is not allowed, a constraint that is not at hand, or a range that
-            empties a cup or fills it over its rim.
+        ScenarioError: a number of samples that is not allowed, an empty tray, a constraint that is not at hand, or a
+            range that empties a cup or fills it over its rim.
         ModelError: the slosh model does not cover a drawn filling.
     """
     if not 1 <= samples <= LARGEST_SAMPLES:
@@ -105,6 +105,8 @@ def margins(
     if seed < 0:
         raise ScenarioError(f"seed = {seed}: a whole number of at least 0 is needed")
     scene = plan.scene
+    if not scene.cargo:
+        raise ScenarioError(f"{scene.name}: nothing stands on the tray, so no number of an object can be off")
     if scene.unjudged:
         raise ScenarioError(f"the margins of this plan cannot be studied: {finding(plan.certificate)}")
     used = _for_each(scene, ranges)

@@ -2,34 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from nospill.certification.certificate import Judgement, judge_command
 from nospill.certification.plausibility import require_level, require_rate
 from nospill.certification.replay import MINIMUM_RATE
 from nospill.certification.verdict import Certificate, Trace
+from nospill.errors import ScenarioError
 from nospill.laws.constraints import constrained
 from nospill.laws.constraints.base import Constraint
 from nospill.motion.interpolation import Interpolation
 from nospill.motion.resampling import sampled
 from nospill.motion.trajectory import Trajectory
-from nospill.motion_files.points import MotionFile
+from nospill.motion_files.points import MotionFile, motion_of
 from nospill.motion_files.reading import read_motion
 from nospill.motion_files.receivers import interpolation_of, receiver_named, usual_receiver
+from nospill.motion_files.record import recorded
+from nospill.paths.joint_arrays import named_arrays
+from nospill.plans.plan import Plan, judged_plan
+from nospill.plans.records import GIVEN, PlanningReport
+from nospill.robots.joint_paths.search import branch_in_words
 from nospill.scene.scene import Scene
 
 NOT_JUDGED = "path, corridor, tilt and goal of the plan, jerks"
 """What joint points do not say."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)  # without slots: the plan is made once
 class JudgedMotion:
-    """A motion file with its verdict.
+    """A motion of any origin with its verdict.
 
     Attributes:
         file: what was read.
@@ -53,6 +61,18 @@ class JudgedMotion:
     def certificate(self) -> Certificate:
         """The verdict."""
         return self.judgement.certificate
+
+    @cached_property
+    def plan(self) -> Plan:
+        """The motion as the joints make it, in the form of a plan, for its histories, figures, film and viewer.
+
+        Nothing planned it: s is the part of the tray's way, and the path, corridor and goal of the scene are not its
+        own, so that its folder is not certified as one of a plan.
+        """
+        report = PlanningReport.empty(GIVEN)
+        start = branch_in_words(self.file.samples.position[0])
+        record = recorded(self.judgement, self.scene)
+        return judged_plan(self.scene, record, self.judgement, replace(report, branch=start))
 
     def failures(self) -> list[dict[str, Any]]:
         """Of every row that does not hold: code, subject, first instant in s and point before it, and the worst value.
@@ -81,8 +101,8 @@ class JudgedMotion:
         return failures
 
 
-def judge_file(
-    path: str | Path,
+def judge(
+    motion: str | Path | Trajectory | Mapping[str, ArrayLike],
     scene: Scene,
     *,
     receiver: str | None = None,
@@ -98,7 +118,9 @@ def judge_file(
     clearances, during the motion and ever after.
 
     Args:
-        path: what `read_motion` reads.
+        motion: a file that `read_motion` reads; a trajectory, of which the joint positions are taken; or arrays by
+            name as in a file: "t" (m,) in s and "q" (m, n) in rad in the order of `scene.robot.joints`, "qd" and "qdd"
+            perhaps, or "joint_names" in another order.
         scene: what the motion must keep to.
         receiver: who plays it, a name of `RECEIVERS`; splines through given speeds and accelerations when left out, one
             quintic spline where there are positions alone.
@@ -108,19 +130,40 @@ def judge_file(
         rows_per_second: of a table without times.
 
     Raises:
-        ScenarioError: no motion of this arm, or points that the receiver does not take.
+        ScenarioError: no scene, no motion of this arm, or points that the receiver does not take.
         ModelError: the liquids cannot be integrated.
     """
+    if not isinstance(scene, Scene):
+        raise ScenarioError(f"judge takes a Scene, as ns.load gives it, not a value of type {type(scene).__name__}")
     require_rate(rate)
-    file = read_motion(path, scene, unit=unit, rate=rows_per_second)
+    file = _read(motion, scene, unit, rows_per_second)
     chosen = usual_receiver(file.samples) if receiver is None else receiver_named(receiver)
     played = interpolation_of(chosen, file.samples, scene.output_rate, file.origin)
-    motion = played.motion(file.samples)
+    joints = played.motion(file.samples)
     require_level(file.samples.position[0], scene, file.origin)
-    even = sampled(motion, 0.0, float(file.samples.t[-1]), scene.output_rate)
+    even = sampled(joints, 0.0, float(file.samples.t[-1]), scene.output_rate)
     record = Trajectory.of_joints(even.t, scene.robot.joints, even.position, even.speed, even.acceleration)
-    judgement = judge_command(record, constrained(scene, constraints), motion=motion, rate=rate)
+    judgement = judge_command(record, constrained(scene, constraints), motion=joints, rate=rate)
     return JudgedMotion(file, played, judgement, scene)
+
+
+def _read(motion: object, scene: Scene, unit: str, rows_per_second: float | None) -> MotionFile:
+    match motion:
+        case str() | Path():
+            return read_motion(motion, scene, unit=unit, rate=rows_per_second)
+        case Trajectory():
+            arrays: Mapping[str, Any] = {
+                "t": motion.t,
+                "q": motion.joint_position,
+                "joint_names": np.array(motion.joints),
+            }
+            return motion_of(named_arrays(arrays, "trajectory"), scene.robot)
+        case Mapping():
+            return motion_of(named_arrays(motion, "arrays"), scene.robot)
+    raise ScenarioError(
+        f'judge takes a file, a Trajectory, or arrays by name as {{"t": t, "q": q}}, not a value of type '
+        f"{type(motion).__name__}"
+    )
 
 
 def _first_failing(trace: Trace | None, worst: float) -> float:

@@ -41,6 +41,9 @@ class MotionMaxima:
     other_speeds: tuple[SpeedUse, ...] | None = None
 
 
+GIVEN = "given"
+"""Status of a motion that nothing here planned."""
+
 _AGREED = 5e-3
 
 

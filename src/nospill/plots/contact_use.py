@@ -20,10 +20,15 @@ _SLACK = 0.1
 """Use below which a constraint is named only."""
 
 
-def contact_use_figure(evidence: Evidence) -> Figure:
-    """One panel per constraint on the objects, one line per object; the fullest first, the slack ones in words."""
+def contact_use_figure(evidence: Evidence) -> Figure | None:
+    """One panel per constraint on the objects, one line per object; the fullest first, the slack ones in words.
+
+    None without objects.
+    """
     by_constraint = evidence.by_constraint(EvaluationPoint.OBJECT)
     by_constraint.pop(SloshHeight.name, None)  # has its own figure, in millimetres
+    if not by_constraint:
+        return None
     subjects = [cargo.name for cargo in evidence.plan.scene.cargo]
     peaks = {name: _largest(traces) for name, traces in by_constraint.items()}
     ordered = sorted(peaks, key=lambda name: -peaks[name][0])

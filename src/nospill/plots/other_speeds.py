@@ -12,8 +12,13 @@ _HEIGHT = 2.6
 
 
 def other_speeds_figure(evidence: Evidence) -> Figure | None:
-    """Largest use of contacts, of the way to the rim and of stated heights from a tenth of the speed to all of it."""
+    """Largest use of contacts, of the way to the rim and of stated heights from a tenth of the speed to all of it.
+
+    None without objects.
+    """
     uses = evidence.other_speeds
+    if not uses:
+        return None
     speeds = 100 * np.array([item.speed for item in uses])
     lines = [
         ("slide, tip", ORANGE, DASHES[1], [item.contact for item in uses]),

@@ -16,7 +16,7 @@ from nospill.plots.figures import REPORT_FIGURES
 from nospill.plots.sheets import pdf_of
 from nospill.plots.style import BLUE, DARK_RED, INK, LOOK, plain
 from nospill.plots.text_pages import TEXT_WIDTH, FigureRow, TextTable, printable, text_pages
-from nospill.plots.tiles import MOST_IN_A_ROW, carried, tiles
+from nospill.plots.tiles import MOST_IN_A_ROW, task_text, tiles
 from nospill.plots.use_table import certificate_figure
 
 _FIRST, _LAST = ("limits", "path"), "tray"
@@ -85,7 +85,7 @@ def _heading(evidence: Evidence) -> Figure:
 
     write(0.0, 0.0, scene.name, size=15, weight="bold")
     names = ", ".join(item.name for item in scene.cargo)
-    write(0.0, 0.28, f"{scene.robot.title} carries {names}: {carried(scene)}", size=7.5, color=INK)
+    write(0.0, 0.28, task_text(scene, names), size=7.5, color=INK)
     size = (1.0, (foot - 0.48) / height)
     box = Rectangle((0.0, 1 - foot / height), *size, facecolor="none", edgecolor=color, linewidth=1.5)
     figure.add_artist(box)

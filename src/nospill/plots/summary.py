@@ -69,9 +69,12 @@ def summary_figure(evidence: Evidence) -> Figure:
 def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     scene, certificate = evidence.plan.scene, evidence.judgement.certificate
     figure.text(0.03, 0.972, plain(scene.name, 40), size=17, weight="bold", va="top")
-    about = f"{plain(scene.robot.title, 40)}  ·  {len(scene.cargo)} on the tray ({carried(scene)}): "
-    names = plain(", ".join(item.name for item in scene.cargo), max(88 - len(about), 12))
-    left = about + names
+    left = f"{plain(scene.robot.title, 40)}  ·  "
+    if scene.cargo:
+        left += f"{len(scene.cargo)} on the tray ({carried(scene)}): "
+        left += plain(", ".join(item.name for item in scene.cargo), max(88 - len(left), 12))
+    else:
+        left += "an empty tray"
     figure.text(0.03, 0.939, left, size=8.5, va="top")
     rows = certificate.rows
     # Which numbers are worst stands in the certificate; here there is no space for it.
@@ -110,6 +113,10 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
 def _draw_tightest(axes: Axes, evidence: Evidence) -> None:
     """Use of the liquids' limit, or without liquids of the objects' constraint that comes nearest to its limit."""
     by_constraint = evidence.by_constraint(EvaluationPoint.OBJECT)
+    if not by_constraint:
+        axes.set_yticks([])
+        axes.text(0.5, 0.5, "nothing stands on the tray", transform=axes.transAxes, size=8, ha="center", va="center")
+        return
     nearest = max(by_constraint, key=lambda name: max(float(np.max(trace.use)) for trace in by_constraint[name]))
     name = SloshHeight.name if SloshHeight.name in by_constraint else nearest
     traces, names = by_constraint[name], [cargo.name for cargo in evidence.plan.scene.cargo]

@@ -69,6 +69,11 @@ def tiles(evidence: Evidence) -> tuple[Tile, ...]:
     return tuple(shown)
 
 
+def task_text(scene: Scene, names: str) -> str:
+    """The arm and its load, as "UR5e carries c1, c2: 0.42 l, 1.3 kg", from the names of the objects."""
+    return f"{scene.robot.title} " + (f"carries {names}: {carried(scene)}" if scene.cargo else "moves an empty tray")
+
+
 def carried(scene: Scene) -> str:
     """What the tray carries, in figures: "0.42 l, 1.3 kg"."""
     litres = 1e3 * sum(

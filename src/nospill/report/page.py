@@ -10,7 +10,7 @@ from nospill.certification.verdict import Certificate, Row
 from nospill.certification.wording import integrity_line, row_text
 from nospill.core.short_names import short_names
 from nospill.plots.text_pages import TextTable
-from nospill.plots.tiles import carried
+from nospill.plots.tiles import task_text
 from nospill.report.contents import NOT_PROVEN, Report, certificate_table
 from nospill.report.page_style import STYLE
 from nospill.report.scene_picture import MOMENT
@@ -93,7 +93,7 @@ def _heading(report: Report) -> str:
     names = ", ".join(standing[:_NAMED]) + more
     return (
         f"<header><h1>{escape(scene.name)}</h1>"
-        f"<p class='about'>{escape(scene.robot.title)} carries {escape(names)}: {carried(scene)}.</p>"
+        f"<p class='about'>{escape(task_text(scene, names))}.</p>"
         f"{_banner(report.ok, report.verdict.upper(), report.detail)}"
         f"{_limiting_section(report)}</header>"
     )

@@ -215,8 +215,8 @@ class Scenario(Table):
     tray: Annotated[TrayTable, Field(description="the board, with the keys size and friction")]
     cargo: Annotated[
         Given[list[CargoEntry], Sequence[CargoTable]],
-        Field(min_length=1, max_length=MOST_OBJECTS, description="the objects on the tray, one [[cargo]] each"),
-    ]
+        Field(max_length=MOST_OBJECTS, description="the objects on the tray, one [[cargo]] each; none: it is empty"),
+    ] = default([])
     path: Annotated[
         PathEntry, Field(description="the way the tray goes; type preset, line, arc, bspline, waypoints or free")
     ]

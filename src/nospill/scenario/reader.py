@@ -180,7 +180,7 @@ def _every_object(
     """The scenario with an entry for every object, none of which needs a file, and their tables."""
     entries: list[CargoTable] = []
     tables: list[dict[str, Any]] = []
-    for index, (entry, given) in enumerate(zip(scenario.cargo, table["cargo"], strict=True)):
+    for index, (entry, given) in enumerate(zip(scenario.cargo, table.get("cargo", []), strict=True)):
         with _at(label, cargo_place(index, {"name": entry.name})):
             update = entry.standalone(folder)
             own = entry.model_copy(update=update)

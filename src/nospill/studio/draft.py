@@ -41,7 +41,7 @@ class Draft:
     @property
     def cargo(self) -> list[dict[str, Any]]:
         """The entries `[[cargo]]`."""
-        return self.table["cargo"]
+        return self.table.get("cargo", [])
 
     @property
     def obstacles(self) -> list[dict[str, Any]]:
@@ -130,7 +130,7 @@ class Draft:
         self.chosen = self._added("obstacle", entry)
 
     def remove(self, index: int) -> bool:
-        """Take an object away; the last one stays, a tray needs a load."""
+        """Take an object away; the last one stays, for the form to show."""
         if len(self.cargo) < 2:
             return False
         self._removed("cargo", index)

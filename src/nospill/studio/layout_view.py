@@ -103,7 +103,7 @@ class LayoutView:
         source = scene.source
         way = repr((source["robot"], source["path"], source["tray"]))
         around = repr((way, source.get("obstacle")))
-        load = repr((way, source["cargo"], scene.fidelity, scene.slosh_modes))
+        load = repr((way, source.get("cargo"), scene.fidelity, scene.slosh_modes))
         if self._drawn.get("way") != way or not self._looked:
             self._draw_way(scene)
         if self._drawn.get("load") != load:

@@ -83,7 +83,7 @@ def place_objects(table: Mapping[str, Any]) -> list[Placed]:
     size = tray_size(table)
     tray = None if size is None else Tray(np.array(size), Tool())
     bodies = _bodies(table)
-    names = [label_of(entry, index) for index, entry in enumerate(table["cargo"])]
+    names = [label_of(entry, index) for index, entry in enumerate(table.get("cargo", []))]
     met: dict[int, list[str]] = {index: [] for index in bodies}
     for first, second in combinations(bodies, 2):
         if overlap(bodies[first], bodies[second]) > _TOUCHING:
@@ -140,7 +140,7 @@ def at_of_entry(table: Mapping[str, Any], index: int, place: tuple[float, float]
 
 def _bodies(table: Mapping[str, Any]) -> dict[int, Cargo]:
     """The bodies of all entries that can be read, by their index, those in carriers at their places on the tray."""
-    bodies = {index: body for index, entry in enumerate(table["cargo"]) if (body := _body(entry)) is not None}
+    bodies = {index: body for index, entry in enumerate(table.get("cargo", [])) if (body := _body(entry)) is not None}
     for index, body in bodies.items():
         entry = table["cargo"][index]
         carrier = _carrier(table, entry)
@@ -156,7 +156,7 @@ def _bodies(table: Mapping[str, Any]) -> dict[int, Cargo]:
 
 def _carrier(table: Mapping[str, Any], entry: Mapping[str, Any]) -> Cargo | None:
     """The body in which an entry stands, under its name; None where it stands on the tray."""
-    named = [item for item in table["cargo"] if item.get("name") == entry.get("carrier") and item is not entry]
+    named = [item for item in table.get("cargo", []) if item.get("name") == entry.get("carrier") and item is not entry]
     body = _body(named[0]) if entry.get("carrier") is not None and named else None
     return None if body is None else replace(body, name=str(entry["carrier"]))
 

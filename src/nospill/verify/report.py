@@ -102,6 +102,8 @@ class VerifyReport:
         ]
 
     def _staying(self) -> str:
+        if not self.objects:
+            return "Nothing stands on the tray that could move."
         moved = [item for item in self.objects if item.moved_at is not None]
         if not moved:
             most = max(self.objects, key=lambda item: item.slide.value)

@@ -91,7 +91,7 @@ def _boxes(
     film: Film, title: str, place: np.ndarray, view: View, camera: Camera, picked: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray]:
     cargo, ride = film.plan.scene.standing, camera_frame(film, view)
-    tops = np.array([[*item.position, item.container.height + ABOVE_RIM] for item in cargo])
+    tops = np.array([[*item.position, item.container.height + ABOVE_RIM] for item in cargo]).reshape(-1, 3)
     world = film.tray_position[picked, None] + tops @ np.swapaxes(film.tray_rotation[picked], 1, 2)
     carried = (world - ride.position[picked, None]) @ ride.rotation[picked]
     names = [item.title for item in cargo]

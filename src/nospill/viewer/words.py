@@ -7,6 +7,7 @@ from html import escape
 
 from nospill.certification.limiting import limiting_rows, limiting_text
 from nospill.drawing.timeline import Film
+from nospill.plans.records import GIVEN
 from nospill.scene.cargo import titles_of
 from nospill.scene.scene import Scene
 
@@ -54,9 +55,11 @@ def _facts_text(film: Film) -> str:
     scene, certificate = film.plan.scene, film.judgement.certificate
     count = len(certificate.rows)
     if certificate.ok:
-        kind = "fastest motion found" if scene.motion.duration is None else "gentlest motion found of this duration"
+        kind = "the fastest motion found" if scene.motion.duration is None else "the gentlest motion of this duration"
+        kind = kind if film.plan.report.solver_status != GIVEN else "a motion"
         spills = "spills, " if film.liquids else ""
-        said = f"the {kind} that keeps all {count} limits: nothing {spills}lifts, slides, tips or twists"
+        said = f"{kind} that keeps all {count} limits"
+        said += f": nothing {spills}lifts, slides, tips or twists" if scene.cargo else ""
     else:
         failed = [row.label for row in certificate.rows if not row.ok]
         missing = [f'"{limit.name}" was not judged' for limit in certificate.unjudged]

@@ -31,7 +31,7 @@ from nospill.plans.warnings.liquids import (
     surface_tension_value,
     viscosity,
 )
-from nospill.plans.warnings.objects import hardly_meant
+from nospill.plans.warnings.objects import empty_tray, hardly_meant
 from nospill.plans.warnings.record import Facts, PlanWarning, Warn
 from nospill.plans.warnings.reserves import back_off, no_reserve
 from nospill.plans.warnings.smoothness import smoothness
@@ -53,6 +53,7 @@ WARNINGS: tuple[Warn, ...] = (
     surface_tension_value,
     no_joint_acceleration_limit,
     no_mass,
+    empty_tray,
     hardly_meant,
     below_the_base,
     self_collision_off,

@@ -19,6 +19,14 @@ _FILM = 1e-3
 _GREATEST_FRICTION = 1.2
 
 
+def empty_tray(facts: Facts) -> Iterator[PlanWarning]:
+    """No object is stated."""
+    if not facts.scene.cargo:
+        yield PlanWarning(
+            "empty tray", "tray", "nothing stands on it; the limits of the arm alone hold."
+        )
+
+
 def hardly_meant(facts: Facts) -> Iterator[PlanWarning]:
     """Numbers of objects that no usual object has: taken as they stand, and asked about."""
     scene = facts.scene
