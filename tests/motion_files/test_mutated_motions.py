@@ -29,7 +29,10 @@ def written(t: np.ndarray, q: np.ndarray, v: np.ndarray, joints: tuple[str, ...]
         }
         for now, at, speed in zip(t.tolist(), q.round(5), v.round(4), strict=True)
     ]
-    rows = [",".join(["t_s", *joints]), *(",".join(map(repr, row)) for row in np.column_stack([t, q]).round(5).tolist())]
+    rows = [
+        ",".join(["t_s", *joints]),
+        *(",".join(map(repr, row)) for row in np.column_stack([t, q]).round(5).tolist()),
+    ]
     arrays = {"joint_names": list(joints), "t": t.tolist(), "q": q.round(5).tolist(), "qd": v.round(4).tolist()}
     return {
         "yaml": yaml.safe_dump({"joint_names": list(joints), "points": points}),

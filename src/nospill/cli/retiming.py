@@ -46,6 +46,14 @@ def retime(
     tray_tolerance: Annotated[
         str | None, typer.Option(metavar="LENGTH", help="The same of the tray's centre.", show_default="5 mm")
     ] = None,
+    freedom: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH",
+            help="How far the tray may leave its way: the fastest motion near it, level or tilting as S says.",
+            show_default="keep the joints",
+        ),
+    ] = None,
 ) -> int:
     """Time a path of the joints anew: as fast as arm, liquids and objects allow, and certified.
 
@@ -63,7 +71,7 @@ def retime(
         require_no_own_limits(scenario)
         stated = {"join": join, "joint_tolerance": joint_tolerance, "tray_tolerance": tray_tolerance}
         keys = {key: value for key, value in stated.items() if value is not None}
-        scene = retimed_scene(motion, read_scenario(scenario), **keys)
+        scene = retimed_scene(motion, read_scenario(scenario), freedom=freedom, **keys)
         for note in scene.path.notes:
             say(f"path: {one_line(note)}")
         progress.say(LOADING)

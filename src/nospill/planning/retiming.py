@@ -15,6 +15,7 @@ from nospill.execution.csv_logs import is_table
 from nospill.motion.trajectory import Trajectory
 from nospill.motion_files.reading import named_points_at
 from nospill.paths.joint_files import JointPoints, points_of, read_joint_points
+from nospill.planning.freed_paths import free_path_table
 from nospill.planning.log import OnProgress
 from nospill.planning.planner import plan
 from nospill.planning.request import requested_scene
@@ -30,14 +31,21 @@ Motion = str | os.PathLike[str] | ArrayLike | Trajectory
 
 
 def retime(
-    motion: Motion, scene: Scene | ScenarioSource, *, progress: OnProgress | None = None, **keys: float | str
+    motion: Motion,
+    scene: Scene | ScenarioSource,
+    *,
+    freedom: float | str | None = None,
+    progress: OnProgress | None = None,
+    **keys: float | str,
 ) -> Plan:
-    """Find the fastest certified timing of a path of the joints.
+    """Find the fastest certified timing of a path of the joints, or the fastest motion near it.
 
     Args:
         motion: a file (CSV, arrays by name, a JointTrajectory as YAML, JSON or in a bag), a plan folder, joint
             positions (m, n) in the order of the robot's joints, rad, or a `Trajectory`. Its times are left out.
         scene: the task, whose path and tilt are replaced; or what `load` takes.
+        freedom: how far the tray's centre may be from its way on the path, m or a text with its unit: then the path is
+            the way of a free path, on which the tray is level or tilts as the scene says.
         progress: as of `plan`.
         keys: of the path, as in a scenario: join, joint_tolerance, tray_tolerance.
 
@@ -48,13 +56,14 @@ def retime(
         ScenarioError: no scene; the motion cannot be read or is of other joints; or it makes no path.
         NoSolutionError: as of `plan`.
     """
-    return plan(retimed_scene(motion, requested_scene(scene), **keys), progress=progress)
+    return plan(retimed_scene(motion, requested_scene(scene), freedom=freedom, **keys), progress=progress)
 
 
-def retimed_scene(motion: Motion, scene: Scene, **keys: float | str) -> Scene:
+def retimed_scene(motion: Motion, scene: Scene, *, freedom: float | str | None = None, **keys: float | str) -> Scene:
     """The scene with a path of the joints in the place of its own; arguments and errors as of `retime`."""
     own: dict[str, Any] = {"type": "joints", **_points(motion, scene.robot.joints), **keys}
-    return scene.changed({"path": own, "motion.tilt": None} if scene.motion.tilt_free else {"path": own})
+    given = scene.changed({"path": own, "motion.tilt": None} if scene.motion.tilt_free else {"path": own})
+    return given if freedom is None else scene.changed({"path": free_path_table(given, freedom)})
 
 
 def _read(file: Path, joints: tuple[str, ...]) -> JointPoints:

@@ -22,9 +22,7 @@ _GREATEST_FRICTION = 1.2
 def empty_tray(facts: Facts) -> Iterator[PlanWarning]:
     """No object is stated."""
     if not facts.scene.cargo:
-        yield PlanWarning(
-            "empty tray", "tray", "nothing stands on it; the limits of the arm alone hold."
-        )
+        yield PlanWarning("empty tray", "tray", "nothing stands on it; the limits of the arm alone hold.")
 
 
 def hardly_meant(facts: Facts) -> Iterator[PlanWarning]:
