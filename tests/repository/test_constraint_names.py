@@ -35,6 +35,7 @@ OTHER_MEANINGS = {
         "warmup/usual.py": "key of a scenario",
     },
     "corridor": {
+        "planning/freed_paths.py": "key of a scenario",
         "studio/fields.py": "key of a scenario",
     },
     "clearance": {"studio/obstacles.py": "key of a scenario"},
