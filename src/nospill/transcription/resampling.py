@@ -9,7 +9,7 @@ from nospill.transcription.layout import Layout
 from nospill.transcription.stages import Stages, sample_stages
 
 _FINE_SWING = 0.7
-_NODES_IN_A_SPAN, _MOST_FOR_CORNERS = 0.75, 250
+_NODES_IN_A_SPAN, _MOST_FOR_CORNERS = 2.25, 400
 _FLAT_SWING = 1.0
 """rad; the phase of a mode is then right to 0.02 rad after 70."""
 
@@ -55,7 +55,8 @@ def fine_intervals(scene: Scene, duration: float) -> int:
 def _corner_intervals(scene: Scene) -> int:
     """Intervals with which an even motion has nodes in the sharpest corner of a path of the joints; 0 of other paths.
 
-    A corner takes six spans at least; one between two nodes would be passed as if it were not there.
+    A corner takes six spans at least; one between two nodes would be passed as if it were not there, and with few nodes
+    it is passed more slowly than it may be, by up to a tenth of the whole motion.
     """
     curve = scene.path.joint_curve
     if curve is None:
