@@ -1,0 +1,1 @@
+"""Joint paths of another planner, judged and timed anew, beside toppra."""
