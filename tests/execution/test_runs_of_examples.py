@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from nospill.execution.bands import NOT_CERTIFIED
+from benchmarks.executed.run import verdict, write_run
+from nospill.execution.bands import CERTIFIED, NOT_CERTIFIED, OPEN
 from nospill.execution.executed import executed
 from nospill.execution.reading import read_log
 from nospill.plans.plan import Plan
@@ -46,3 +47,13 @@ def test_a_run_as_planned_is_not_refused(name: str, example_plan, rate: float, n
     plan: Plan = example_plan(name)
     found = executed(log_of(plan, rate=rate, noise=noise, jitter=jitter), plan.scene, plan=plan)
     assert found.outcome != NOT_CERTIFIED, [str(key) for key, word in found.outcomes.items() if word == NOT_CERTIFIED]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "rate"), [("matrix-rigid", 125.0), ("pp-two-cups", 1000.0), ("shelf-to-table", 500.0)]
+)
+def test_samples_taken_at_uneven_stamps_are_not_refused(name: str, example_plan, rate: float, tmp_path: Path) -> None:
+    plan: Plan = example_plan(name)
+    word, rows = verdict(plan, write_run(plan, tmp_path / "run.csv", rate, at_stamps=True))
+    assert word in (CERTIFIED, OPEN), rows
