@@ -74,6 +74,18 @@ def test_begin_and_end_are_found_under_noise(plan: Plan, found: Executed) -> Non
     assert loud.begin == pytest.approx(CLOCK, abs=0.1)
 
 
+@pytest.mark.parametrize("rate", [125.0, 500.0])
+def test_a_log_that_begins_with_the_motion_is_not_led_up_to(plan: Plan, rate: float) -> None:
+    """Without noise, from the first sample of the motion to its last: the arm stood before, and stands on."""
+    log = log_of(plan, clock=0.0, noise=0.0, jitter=0.0, rate=rate)
+    rows = np.arange(int(np.ceil(plan.duration * rate)) + 1)
+    found = recorded_motion(replace(log, t=log.t[rows], position=log.position[rows]), plan.scene)
+    t = np.linspace(-0.04, plan.duration + 0.04, 2000)
+    off = found.held()(t) - plan.trajectory.motion(t)
+    assert found.is_exact
+    assert np.abs(off).max() < 1e-5 * (125.0 / rate) ** 3
+
+
 def test_heights_are_those_of_the_plan(found: Executed) -> None:
     assert found.planned is not None
     for trace in found.planned.traces:

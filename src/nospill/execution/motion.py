@@ -26,6 +26,8 @@ _NO_SENSOR = 1e-8
 """rad; of noise: encoders of the logs at hand have 1e-7 and more, commands and computed joints 1e-9 and less."""
 _RESTING = 0.05
 """s; before and after the samples, in which the arm comes to rest whatever it does in them."""
+_OF_CUBIC = 4
+"""Samples that a cubic goes through."""
 _MIDWAY = 0.05
 """rad/s; a log that begins or ends faster is not of a whole motion."""
 _LEANS = np.radians(5.0)
@@ -72,7 +74,7 @@ class RecordedMotion:
 
     def reading(self, position: np.ndarray) -> SmoothJoints:
         """The splines through other positions (k, n), rad, that were taken when the samples were."""
-        return smooth_joints(self.sampling.t, position, self.sampling.period, bandwidth=self.bandwidth, rest=_RESTING)
+        return _fitted(position, self.sampling, self.bandwidth, is_exact=self.is_exact)
 
     def held(self, smooth: SmoothJoints | None = None) -> HeldMotion:
         """All that was recorded, with the arm at rest before and after; of other splines where such are given."""
@@ -93,7 +95,7 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
     """
     _check_positions(log, scene)
     sampling = sampling_of(log)
-    smooth, coarser, followed = _smooth(log.position[sampling.kept], sampling, bandwidth)
+    smooth, coarser, followed, is_exact = _smooth(log.position[sampling.kept], sampling, bandwidth)
     t = np.arange(sampling.t[0], sampling.t[-1], sampling.period)
     speed = np.abs(smooth(t, 1))
     _check_speeds(log, scene, t, speed)
@@ -113,7 +115,7 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
         sampling,
         smooth,
         coarser,
-        is_exact=bool(np.max(smooth.noise) <= _NO_SENSOR),
+        is_exact=is_exact,
         bandwidth=followed,
         begin=float(t[moving[0]]),
         end=float(t[moving[-1]]),
@@ -122,18 +124,40 @@ def recorded_motion(log: JointLog, scene: Scene, *, bandwidth: float = BANDWIDTH
     return motion
 
 
-def _smooth(position: np.ndarray, sampling: Sampling, bandwidth: float) -> tuple[SmoothJoints, SmoothJoints, float]:
-    """The splines, those with knots twice as far apart, and the bandwidth, Hz: all of it where there is no noise."""
+def _smooth(
+    position: np.ndarray, sampling: Sampling, bandwidth: float
+) -> tuple[SmoothJoints, SmoothJoints, float, bool]:
+    """The splines, those with knots twice as far apart, the bandwidth, Hz, and whether the samples have no noise.
+
+    The bandwidth is all of it where they have none.
+    """
     highest = 0.5 / sampling.period
+    is_exact = bool(np.max(_fitted(position, sampling, highest, is_exact=False).noise) <= _NO_SENSOR)
+    bandwidth = highest if is_exact else min(bandwidth, highest)
+    fine, coarse = (_fitted(position, sampling, part * bandwidth, is_exact=is_exact) for part in (1.0, 0.5))
+    return fine, coarse, bandwidth, is_exact
 
-    def fitted(bandwidth: float) -> SmoothJoints:
-        return smooth_joints(sampling.t, position, sampling.period, bandwidth=bandwidth, rest=_RESTING)
 
-    splines = fitted(highest)
-    if np.max(splines.noise) <= _NO_SENSOR:
-        return splines, fitted(0.5 * highest), highest
-    bandwidth = min(bandwidth, highest)
-    return fitted(bandwidth), fitted(0.5 * bandwidth), bandwidth
+def _fitted(position: np.ndarray, sampling: Sampling, bandwidth: float, *, is_exact: bool) -> SmoothJoints:
+    """The splines through positions (k, n), rad, taken at the samples.
+
+    Where the arm stands in the first or last sample it stood before, or stands on: in a log without noise that is known
+    as well as the samples are, and a motion that begins with the log is not led up to.
+    """
+    t, period = sampling.t, sampling.period
+    if is_exact:
+        steps, ends = round(_RESTING / period), (position[:_OF_CUBIC], position[: -_OF_CUBIC - 1 : -1])
+        before, after = (steps if _stands(end, period) else 0 for end in ends)
+        more = period * np.arange(1, steps + 1)
+        t = np.concatenate([t[0] - more[:before][::-1], t, t[-1] + more[:after]])
+        position = np.pad(position, ((before, after), (0, 0)), mode="edge")
+    return smooth_joints(t, position, period, bandwidth=bandwidth, rest=_RESTING)
+
+
+def _stands(position: np.ndarray, period: float) -> bool:
+    """Whether the arm stands in the first of four samples (4, n), rad: its speed there is that of the cubic in them."""
+    speed = np.array([-11.0, 18.0, -9.0, 2.0]) @ position / (6.0 * period)
+    return bool(np.all(np.abs(speed) <= REST))
 
 
 def stopping_time(recorded: RecordedMotion) -> float:
