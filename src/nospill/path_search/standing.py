@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from itertools import islice
 
 import numpy as np
@@ -27,7 +28,7 @@ from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scene.scene import Scene
 
 _ENDS = {"starts": 0.0, "ends": 1.0}
-_HIGHER = np.arange(0.02, 0.301, 0.02)
+_HIGHER = np.array([0.02, 0.04, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2, 0.25, 0.3])
 """m; by which the tray may stand farther from the flange."""
 _TURNS = np.radians([15, -15, 30, -30, 45, -45, 60, -60, 90, -90, 120, -120, 150, -150, 180])
 _MOVED = tuple(sign * size for size in (0.1, 0.2, 0.3, 0.4) for sign in (1.0, -1.0))
@@ -71,8 +72,9 @@ def require_standing_room(scene: Scene) -> None:
 def _freest(scene: Scene, s: float) -> tuple[np.ndarray, Nearness | None]:
     """Configurations (k, n) at an end, rad, and what comes nearest in the freest; None where they are not known."""
     q, found = np.empty((0, len(scene.robot.joints))), None
+    pose = scene.path.at(np.array([s]))[0]
     for every in (_SPARSE, 1):
-        q = _configurations(scene, s, every)
+        q = _configurations(scene, pose, s, every)
         found = freest_of_arm(scene, q, s) if len(q) else None
         if (found is not None and found.slack >= 0.0) or redundant_joint(scene.robot) is None:
             break
@@ -118,9 +120,8 @@ def helpful_changes(scene: Scene) -> Iterator[Change]:
             yield change
 
 
-def _first_helpful(scene: Scene, changes: Iterator[tuple[Scene, Change]]) -> Change | None:
-    free = (change for changed, change in changes if _stands_free(changed))
-    for change in islice(free, _FOLLOWED):
+def _first_helpful(scene: Scene, changes: Iterator[Change]) -> Change | None:
+    for change in islice(changes, _FOLLOWED):
         try:
             changed = scene.changed(change.values)
         except ScenarioError:  # another limit of the scenario is in the way
@@ -133,31 +134,34 @@ def _first_helpful(scene: Scene, changes: Iterator[tuple[Scene, Change]]) -> Cha
     return None
 
 
-def _farther_from_flange(scene: Scene) -> Iterator[tuple[Scene, Change]]:
+def _farther_from_flange(scene: Scene) -> Iterator[Change]:
+    """Offsets of the tray with which the arm stands free at both ends."""
     tool = scene.tray.tool
     for higher in _HIGHER.tolist():
         position = tool.position + np.array([0.0, 0.0, higher])
-        text = f"tray.offset = {_lengths(position)}, {1e3 * higher:.0f} mm farther from the flange"
-        tray = replace(scene.tray, tool=replace(tool, position=position))
-        yield replace(scene, tray=tray), Change.of_limit(Clearance.name, "tray", "tray.offset", position.tolist(), text)
+        changed = replace(scene, tray=replace(scene.tray, tool=replace(tool, position=position)))
+        if _stands_free(changed, _end_poses(scene)):
+            text = f"tray.offset = {_lengths(position)}, {1e3 * higher:.0f} mm farther from the flange"
+            yield Change.of_limit(Clearance.name, "tray", "tray.offset", position.tolist(), text)
 
 
-def _path_turns(scene: Scene) -> Iterator[tuple[Scene, Change]]:
-    """The tray turned against the path; of paths whose yaw stands in one key."""
+def _path_turns(scene: Scene) -> Iterator[Change]:
+    """Turns of the tray against the path, likewise; of paths whose yaw stands in one key."""
     table = scene.source["path"]
     before = table.get("yaw", [0.0, 0.0]) if isinstance(table, dict) else None
-    if not isinstance(before, list) or table.get("type") == "free":
+    if not isinstance(before, list) or table.get("type") == "free" or len(before) != 2:
         return
-    yaw = scene.path.at(np.array([0.0, 1.0]))[:, 3]
-    if len(before) != 2:
-        return
+    ends = _end_poses(scene)
     for turn in _TURNS.tolist():
-        values = [f"{math.degrees(value):.6g} deg" for value in (yaw + turn).tolist()]
-        text = f"path.yaw = [{', '.join(values)}], the tray turned by {math.degrees(turn):.0f} deg"
-        yield from _changed(scene, Change.of_limit(Clearance.name, "tray", "path.yaw", values, text))
+        poses = ends + np.array([0.0, 0.0, 0.0, turn])
+        if _stands_free(scene, poses):
+            values = [f"{math.degrees(value):.6g} deg" for value in poses[:, 3].tolist()]
+            text = f"path.yaw = [{', '.join(values)}], the tray turned by {math.degrees(turn):.0f} deg"
+            yield Change.of_limit(Clearance.name, "tray", "path.yaw", values, text)
 
 
-def _base_shifts(scene: Scene) -> Iterator[tuple[Scene, Change]]:
+def _base_shifts(scene: Scene) -> Iterator[Change]:
+    """Heights of the base, likewise."""
     base = scene.source["robot"].get("base_position", [0.0, 0.0, 0.0])
     if not all(isinstance(value, int | float) for value in base):
         return
@@ -165,40 +169,53 @@ def _base_shifts(scene: Scene) -> Iterator[tuple[Scene, Change]]:
         position = [float(base[0]), float(base[1]), float(base[2]) - lower]
         where = "lower" if lower > 0.0 else "higher"
         text = f"robot.base_position = {_lengths(np.array(position))}, {1e3 * abs(lower):.0f} mm {where}"
-        yield from _changed(scene, Change.of_limit(Clearance.name, "robot", "robot.base_position", position, text))
+        change = Change.of_limit(Clearance.name, "robot", "robot.base_position", position, text)
+        if _stands_free_on(scene, change, lower):
+            yield change
 
 
-def _changed(scene: Scene, change: Change) -> Iterator[tuple[Scene, Change]]:
-    """The scene with a change, and the change; nothing where another limit of the scenario is in the way."""
+def _stands_free_on(scene: Scene, change: Change, lower: float) -> bool:
+    """`_stands_free` with the base lower, m: without surroundings that is the path as much higher."""
+    if not scene.has_surroundings:
+        return _stands_free(scene, _end_poses(scene) + np.array([0.0, 0.0, lower, 0.0]))
     try:
-        yield scene.changed(change.values), change
-    except ScenarioError:
-        return
+        changed = scene.changed(change.values)
+    except ScenarioError:  # another limit of the scenario is in the way
+        return False
+    return _stands_free(changed, _end_poses(changed))
 
 
-def _stands_free(scene: Scene) -> bool:
-    """Whether at both ends some configuration of the arm is clear of itself, its load and the obstacles."""
-    for s in _ENDS.values():
-        q = _configurations(scene, s, _TRIED)
+def _end_poses(scene: Scene) -> np.ndarray:
+    """x, y, z (m) and yaw (rad) at both ends of the path, (2, 4)."""
+    return scene.path.at(np.array(list(_ENDS.values())))
+
+
+def _stands_free(scene: Scene, poses: np.ndarray) -> bool:
+    """Whether at both poses (2, 4) of the tray some configuration is clear of the arm, its load and the obstacles."""
+    for s, pose in zip(_ENDS.values(), poses, strict=True):
+        q = _configurations(scene, pose, s, _TRIED)
         found = freest_of_arm(scene, q, s) if len(q) else None
         if found is None or found.slack < 0.0:
             return False
     return True
 
 
-def _configurations(scene: Scene, s: float, every: int) -> np.ndarray:
-    """All configurations (k, n) within the limits at an end of the path, rad; none where they are not known.
+def _configurations(scene: Scene, pose: np.ndarray, s: float, every: int) -> np.ndarray:
+    """All configurations (k, n) within the limits at a pose (4,), rad; none where they are not known.
 
-    With a seventh joint at every so many of its positions.
+    Those stated at that end of the path where some are. With a seventh joint at every so many of its positions.
     """
     stated = scene.path.ends[round(s)]
     if stated is not None:
         return np.array([stated])
-    arm = LevelArm(scene)
+    arm = _level_arm(scene)
     if not has_closed_form(kinematics(arm.robot), arm.redundant):
         return np.empty((0, len(scene.robot.joints)))
     held = arm.held[::every]
-    return np.concatenate(arm.solutions(np.tile(scene.path.at(np.array([s])), (len(held), 1)), held))
+    return np.concatenate(arm.solutions(np.tile(pose, (len(held), 1)), held))
+
+
+_level_arm = lru_cache(maxsize=4)(LevelArm)
 
 
 def _lengths(position: np.ndarray) -> str:

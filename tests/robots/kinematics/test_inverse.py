@@ -11,9 +11,16 @@ from hypothesis import strategies as st
 from nospill.errors import ModelError, ScenarioError
 from nospill.robots.description.catalog import load_robot
 from nospill.robots.joint_paths.search import inverse_solutions, solve_joints
-from nospill.robots.kinematics.closed_form import TURN, approximate_solutions, solutions_anywhere, with_turns
+from nospill.robots.kinematics.closed_form import (
+    TURN,
+    approximate_solutions,
+    count_turns,
+    solutions_anywhere,
+    with_turns,
+)
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, newton
+from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.tool import Tool
 
 ROBOT = load_robot("comau-smart-six")
@@ -158,6 +165,7 @@ def test_whole_turns_are_all_that_the_limits_leave_in_their_order(rows):
     ]
     found = with_turns(ROBOT, q)
     assert np.allclose(found, np.array(expected).reshape(-1, 6), rtol=0.0, atol=1e-12)
+    assert count_turns(ROBOT, q).tolist() == [len(with_turns(ROBOT, row[None])) for row in q]
 
 
 @settings(max_examples=30, deadline=None)
@@ -169,3 +177,19 @@ def test_the_closed_form_of_many_poses_is_that_of_each_to_six_digits(rows):
     for position, rotation, some in zip(positions, rotations, found, strict=True):
         exact = solutions_anywhere(ROBOT, position, rotation, tool=TOOL)
         assert all(distance(q, some) < 1e-5 for q in exact)
+
+
+def test_the_closed_form_with_a_held_joint_is_that_of_each_position():
+    """Every pose with a position of its own of the seventh joint, some without a solution."""
+    arm = load_robot("franka-fr3")
+    joint = redundant_joint(arm)
+    assert joint is not None
+    q = np.random.default_rng(0).uniform(arm.lower, arm.upper, (20, 7))
+    positions, rotations = kinematics(arm).poses(q)
+    positions[3] += 2.0
+    found = approximate_solutions(arm, positions, rotations, held=(joint, q[:, joint]))
+    assert len(found[3]) == 0
+    for index, (position, rotation, some) in enumerate(zip(positions, rotations, found, strict=True)):
+        assert np.all(some[:, joint] == q[index, joint])
+        exact = solutions_anywhere(arm, position, rotation, held=(joint, float(q[index, joint])))
+        assert all(distance(own, some) < 1e-5 for own in exact)

@@ -16,7 +16,7 @@ import numpy as np
 
 from nospill.paths.path import Path
 from nospill.robots.joint_paths.following import MAX_PREDICTION, tray_poses
-from nospill.robots.kinematics.closed_form import approximate_solutions, with_turns
+from nospill.robots.kinematics.closed_form import approximate_solutions, count_turns, with_turns
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import RESIDUAL, Held, newton
 from nospill.robots.robot import Robot
@@ -89,10 +89,13 @@ def _configurations(robot: Robot, path: Path, joint: int, place: float, tool: To
 
     values = np.linspace(robot.lower[joint], robot.upper[joint], POSITIONS)
     configurations = at(values)
-    counts = [len(with_turns(robot, q)) for q in configurations]
+    lengths = [len(q) for q in configurations]
+    counts = np.bincount(
+        np.repeat(np.arange(len(values)), lengths), count_turns(robot, np.concatenate(configurations)), len(values)
+    )
     between = [
         np.linspace(low, high, _FINER + 1)[1:-1]
-        for (low, some), (high, others) in pairwise(zip(values.tolist(), counts, strict=True))
+        for (low, some), (high, others) in pairwise(zip(values.tolist(), counts.tolist(), strict=True))
         if some != others
     ]
     if between:

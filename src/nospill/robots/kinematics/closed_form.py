@@ -10,6 +10,7 @@ EAIK knows neither tool nor limits and mixes least-squares answers in; all three
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -24,7 +25,6 @@ TURN = 2.0 * np.pi
 SAME = 1e-6
 """Solutions closer than this in every joint (rad, whole turns removed) are one."""
 
-_NO_POSE = np.eye(4)
 _TRIALS = 8
 _ROUGHLY = 1e-3
 _RANDOM_STARTS = 256
@@ -63,9 +63,7 @@ def with_turns(robot: Robot, q: np.ndarray) -> np.ndarray:
 
     A joint with a range of several turns is kept within one turn of its middle, as in `turn_choices`.
     """
-    middle = 0.5 * (robot.lower + robot.upper)
-    bottom = np.ceil((np.maximum(robot.lower, middle - TURN) - q) / TURN - 1e-12)
-    more = np.floor((np.minimum(robot.upper, middle + TURN) - q) / TURN + 1e-12) - bottom
+    bottom, more = _turns_within(robot, q)
     fitting = np.all(more >= 0.0, axis=1)
     rows, more = (q + TURN * bottom)[fitting], more[fitting].astype(int)
     for joint in np.flatnonzero(np.any(more > 0, axis=0)):
@@ -74,6 +72,18 @@ def with_turns(robot: Robot, q: np.ndarray) -> np.ndarray:
         rows, more = rows[again], more[again]
         rows[:, joint] += TURN * np.array(turns)
     return rows
+
+
+def count_turns(robot: Robot, q: np.ndarray) -> np.ndarray:
+    """How many configurations `with_turns` makes of each of given ones (k, n), rad: (k,)."""
+    return np.prod(np.maximum(_turns_within(robot, q)[1] + 1.0, 0.0), axis=1)
+
+
+def _turns_within(robot: Robot, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Whole turns (k, n) that bring joints to the lowest place in their range, and how many more fit; -1 where none."""
+    middle = 0.5 * (robot.lower + robot.upper)
+    bottom = np.ceil((np.maximum(robot.lower, middle - TURN) - q) / TURN - 1e-12)
+    return bottom, np.floor((np.minimum(robot.upper, middle + TURN) - q) / TURN + 1e-12) - bottom
 
 
 def turn_choices(robot: Robot, lowest: np.ndarray, highest: np.ndarray) -> list[list[int]]:
@@ -156,14 +166,16 @@ def approximate_solutions(
         For each pose (k, n), rad; empty where no closed form is known.
     """
     arm = kinematics(robot)
-    placed = zip(*_flange(positions, rotations, tool), strict=True)
     index, values = (None, [None] * len(positions)) if held is None else (held[0], held[1].tolist())
-    solvers = {value: _solver(arm, index, value) for value in set(values)}
-    none = np.zeros((0, arm.n))
-    return [
-        none if (solver := solvers[value]) is None else solver.solutions(*pose)
-        for value, pose in zip(values, placed, strict=True)
-    ]
+    made = {value: _solver(arm, index, value) for value in set(values)}
+    solvers = [made[value] for value in values]
+    known = [place for place, solver in enumerate(solvers) if solver is not None]
+    found = [np.zeros((0, arm.n))] * len(values)
+    places, turns = _flange(positions, rotations, tool)
+    solved = _solve([solver for solver in solvers if solver is not None], places[known], turns[known])
+    for place, q in zip(known, solved, strict=True):
+        found[place] = q
+    return found
 
 
 def _flange(position: np.ndarray, rotation: np.ndarray, tool: Tool) -> tuple[np.ndarray, np.ndarray]:
@@ -206,22 +218,32 @@ class _ClosedForm:
         # v = axis x (p - o): the point o of the axis next to the flange is p + axis x v
         points = position + np.cross(axes, jacobian[:3, moving].T)
         offsets = np.diff(np.vstack([np.zeros(3), points, position]), axis=0)
-        self._solver = EAIK.Robot(axes.T, offsets.T, np.eye(3), [], True)
-        self._from_zero, self._moving, self._at = rotation.T, moving, q[0]
-        self.known = bool(self._solver.has_known_decomposition())
+        self.solver = EAIK.Robot(axes.T, offsets.T, np.eye(3), [], True)
+        self.from_zero, self.moving, self.at = rotation.T, moving, q[0]
+        self.known = bool(self.solver.has_known_decomposition())
 
     def solutions(self, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
         """All joint positions (k, n) for a flange pose, as EAIK finds them; least-squares answers are left out."""
-        pose = _NO_POSE.copy()
-        pose[:3, :3] = rotation @ self._from_zero
-        pose[:3, 3] = position
-        answer = self._solver.calculate_IK(pose)
-        rows = np.asarray(answer.Q).reshape(-1, len(self._moving))
-        exact = rows[~np.asarray(answer.is_LS, dtype=bool) & np.isfinite(rows).all(axis=1)]
-        q = np.empty((len(exact), len(self._at)))
-        q[:] = self._at
-        q[:, self._moving] = exact
-        return q
+        return _solve([self], position[None], rotation[None])[0]
+
+
+def _solve(solvers: Sequence[_ClosedForm], positions: np.ndarray, rotations: np.ndarray) -> list[np.ndarray]:
+    """`_ClosedForm.solutions` of chains of one arm, each at its own flange pose: (m, 3), m, and (m, 3, 3)."""
+    if not solvers:
+        return []
+    poses = np.zeros((len(solvers), 4, 4))
+    poses[:, :3, :3] = rotations @ np.array([solver.from_zero for solver in solvers])
+    poses[:, :3, 3], poses[:, 3, 3] = positions, 1.0
+    answers = [solver.solver.calculate_IK(pose) for solver, pose in zip(solvers, poses, strict=True)]
+    moving = solvers[0].moving
+    rows = [np.asarray(answer.Q).reshape(-1, len(moving)) for answer in answers]
+    of = np.repeat(np.arange(len(rows)), [len(some) for some in rows])
+    joined = np.concatenate(rows)
+    exact = ~np.concatenate([np.asarray(answer.is_LS, dtype=bool) for answer in answers])
+    exact &= np.isfinite(joined).all(axis=1)
+    q = np.array([solver.at for solver in solvers])[of[exact]]
+    q[:, moving] = joined[exact]
+    return np.split(q, np.searchsorted(of[exact], np.arange(1, len(rows))))
 
 
 @lru_cache(maxsize=4096)  # a grid of positions of a redundant joint has 1,921 at most
