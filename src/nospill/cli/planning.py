@@ -139,6 +139,7 @@ def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> 
     print_certificate(certificate, outcome.scene)
     print_warnings(outcome.warnings)
     lines = [f"duration: {outcome.duration:.3f} s"]
+    lines += [f"direct way blocked: {outcome.report.blocked_way}"] if outcome.report.blocked_way else []
     lines += [f"held back: {outcome.limiting_text}"] if outcome.limiting_text else []
     lines += [outcome.savings_text] if outcome.savings_text else []
     lines += outcome.comparison

@@ -18,6 +18,7 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.path_search.branches import require_free_ends
 from nospill.path_search.candidates import has_free_path
+from nospill.path_search.direct_way import blocked_direct_way
 from nospill.path_search.free_path import fastest_clear_path, paths_along
 from nospill.path_search.standing import advised_free_paths, require_standing_room
 from nospill.planning.candidate import Candidate
@@ -86,9 +87,10 @@ def _plan(
         if scene.obstacles:
             require_free_ends(scene)
         require_standing_room(scene)
+    open_scene = scene
     if has_free_path(scene):
         with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
-            scene = fastest_clear_path(scene)
+            scene = fastest_clear_path(open_scene)
     diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
     task = Task.of(scene, ignore)
     judged, instead = _first_certified(_offers(task, warm, last, log), log)
@@ -98,6 +100,7 @@ def _plan(
         jerk_weight_factor=judged.candidate.active.jerk_weight_factor,
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
+        blocked_way=blocked_direct_way(open_scene, scene),
         fallbacks=fallbacks(judged.candidate, log, instead),
     )
     planned = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)

@@ -396,6 +396,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "linear_solvers": _Kept("report", "linear_solvers", Counter, _solvers_read),
     "branch": _Kept("report", "branch"),
     "base_yaw": _Kept("report", "base_yaw"),
+    "blocked_way": _Kept("report", "blocked_way"),
     "approach": _Computed(_approach_summary),
 }
 

@@ -86,6 +86,7 @@ class PlanningReport:
         backoff: fraction of the budget kept from the optimiser, by "constraint | subject", where it is above the first.
         branch: the start configuration in words.
         base_yaw: which one was taken if the scenario left it free, or None.
+        blocked_way: what is in the way of the direct one where a free path takes another, in words, or empty.
         linear_solvers: of every solve; where one failed, the one after it and its own name.
         savings: s, by "constraint | subject": what a limit wider by a tenth would save, to the first order, of those
             that hold the motion back longest.
@@ -105,6 +106,7 @@ class PlanningReport:
     backoff: dict[str, float]
     branch: str = ""
     base_yaw: str | None = None
+    blocked_way: str = ""
     linear_solvers: tuple[str, ...] = ()
     savings: dict[str, float] = field(default_factory=dict)
     compared: dict[str, float] = field(default_factory=dict)

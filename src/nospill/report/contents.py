@@ -177,6 +177,7 @@ def _planning(plan: Plan) -> TextTable:
         ("on the coarse grid", durations),
         ("branch", report.branch),
         ("base yaw, left free", report.base_yaw or ""),
+        ("direct way, blocked", report.blocked_way),
         ("iterations", str(report.iterations)),
         ("rounds", f"{report.rounds} of tightening what the judge objected to"),
         *((f"back-off, {name}", f"{100 * share:.2f} % kept back") for name, share in report.backoff.items()),
