@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.certification.traces import evaluated_traces
+from nospill.certification.traces import Inputs, evaluated_traces
 from nospill.certification.verdict import Trace
 from nospill.laws.constraints import BY_NAME
-from nospill.laws.constraints.base import EvaluationPoint
+from nospill.laws.constraints.base import Constraint, EvaluationPoint
+from nospill.laws.constraints.joint_acceleration import JointAcceleration
+from nospill.laws.constraints.joint_jerk import JointJerk
 from nospill.laws.constraints.joint_position import JointPosition
 from nospill.laws.constraints.joint_speed import JointSpeed
-from nospill.motion.control import commanded, followed, settling_after
+from nospill.laws.scene_parameters import structure_of
+from nospill.motion.control import asked_at, asked_by, commanded, followed, settling_after
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion, JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.controller import Controller
@@ -30,7 +34,7 @@ class Run:
         record: its samples, until the joints stand.
         motion: what the joints do, on the plan's clock; None for the spline through the samples.
         described: what the record is about: what the joints do, or the command where it is not compensated.
-        command: what the controller is asked for, as positions at the samples of the command; None without controller.
+        command: the positions that the controller is asked for, one a period; None without controller.
     """
 
     record: Trajectory
@@ -54,16 +58,19 @@ def run_of(trajectory: Trajectory, controller: Controller | None, motion: JointM
     """
     if controller is None:
         return Run(trajectory, motion, motion, None)
-    command = commanded(trajectory, controller)
-    samples = command if motion is None else JointSamples(command.t, *(motion(command.t, order) for order in range(3)))
-    asked = motion or QUINTIC_SPLINE.motion(samples)
-    done = followed(asked, controller, float(samples.t[0]), float(samples.t[-1]))
-    if controller.compensate:
-        return Run(trajectory, done, done, samples)
+    samples = commanded(trajectory, controller)
+    ends = float(samples.t[0]), float(samples.t[-1])
+    if motion is not None:
+        samples = JointSamples(samples.t, motion(samples.t))
+    asked = asked_by(motion or QUINTIC_SPLINE.motion(samples), controller, *ends)
+    command = samples if controller.interface is None else asked_at(asked, controller, *ends)
+    done = followed(asked, controller, *ends)
+    if controller.compensate or done is asked:
+        return Run(trajectory, done, done, command)
     count = int(np.ceil(settling_after(controller) * trajectory.rate))
     t = trajectory.t[0] + np.arange(len(trajectory.t) + count) / trajectory.rate
     late = Trajectory.of_joints(t, trajectory.joints, *(done(t, order) for order in range(3)))
-    return Run(late, done, asked, samples)
+    return Run(late, done, asked, command)
 
 
 def of_joints_alone(scene: Scene) -> Scene:
@@ -72,10 +79,56 @@ def of_joints_alone(scene: Scene) -> Scene:
 
 
 def command_traces(scene: Scene, command: JointSamples) -> list[Trace]:
-    """Traces of the command: a controller keeps limits of position and speed itself, and stops where one is broken."""
-    asked = QUINTIC_SPLINE.motion(command)
-    t = np.linspace(command.t[0], command.t[-1], 4 * (len(command.t) - 1) + 1)
-    constraints = [BY_NAME[JointPosition.name], BY_NAME[JointSpeed.name]]
-    columns = [asked(t, order).T for order in range(3)]
-    traces = evaluated_traces(of_joints_alone(scene), {EvaluationPoint.JOINT: (t, columns)}, constraints=constraints)
+    """Traces of the command: a controller keeps limits of the arm itself, and stops where one is broken.
+
+    Positions and speeds are those of the spline through the command, accelerations and jerks are its differences
+    [libfranka, `rate_limiting.h`]. An interface that checks commands takes differences of every order; without one, and
+    with joints that are not late, the command is what they do, and has no rows of its own.
+    """
+    controller = scene.controller
+    checks = controller is not None and controller.interface is not None and controller.interface.checks is not None
+    traces: list[Trace] = []
+    if controller is None or controller.is_late:
+        asked = QUINTIC_SPLINE.motion(command)
+        t = np.linspace(command.t[0], command.t[-1], 4 * (len(command.t) - 1) + 1)
+        traces += _joint_traces(scene, (JointPosition, JointSpeed), t, *(asked(t, order) for order in range(3)))
+    elif not checks:
+        return []
+    t, before, speed, acceleration, jerk = differences(command)
+    kept = (JointPosition, JointSpeed, JointAcceleration) if checks else (JointAcceleration,)
+    traces += _joint_traces(scene, kept, t, before, speed, acceleration)
+    chains = structure_of(scene).freedom.chains
+    still = [np.zeros((rows, len(t))) for rows in (2, 2, chains)]
+    traces += _evaluated(scene, (JointJerk,), EvaluationPoint.CONTROL, (t, [*still, jerk.T]))
     return [replace(trace, variant=COMMAND) for trace in traces]
+
+
+def differences(command: JointSamples) -> tuple[np.ndarray, ...]:
+    """What a controller reads of a command that stands still before and after: the differences at each position.
+
+    Args:
+        command: evenly spaced.
+
+    Returns:
+        Times (m,), s, of a position each; the positions before them (m, n), rad, and the differences up to them over
+        the powers of the period, rad/s, rad/s^2 and rad/s^3.
+    """
+    period = float(command.t[-1] - command.t[0]) / (len(command.t) - 1)
+    q = np.pad(command.position, ((3, 3), (0, 0)), mode="edge")
+    t = command.t[0] + period * np.arange(len(q) - 3)
+    first, second, third = (np.diff(q, order, axis=0) / period**order for order in (1, 2, 3))
+    return t, q[2:-1], first[2:], second[1:], third
+
+
+def _joint_traces(
+    scene: Scene, laws: Collection[type[Constraint]], t: np.ndarray, *columns: np.ndarray
+) -> tuple[Trace, ...]:
+    """Traces of some laws of joints on positions, speeds and accelerations (m, n)."""
+    return _evaluated(scene, laws, EvaluationPoint.JOINT, (t, [column.T for column in columns]))
+
+
+def _evaluated(
+    scene: Scene, laws: Collection[type[Constraint]], point: EvaluationPoint, inputs: Inputs
+) -> tuple[Trace, ...]:
+    constraints = [BY_NAME[law.name] for law in laws]
+    return evaluated_traces(of_joints_alone(scene), {point: inputs}, constraints=constraints)

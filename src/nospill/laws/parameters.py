@@ -176,12 +176,13 @@ def _braking(structure: Structure) -> tuple[int, ...]:
 
 @dataclass(frozen=True, slots=True)
 class BrakingNumbers:
-    """Fields as in `robots.robot.Braking`; empty where there is none."""
+    """Fields as in `robots.robot.Braking`, the time (1,); empty where there is none."""
 
     lower: Annotated[Number, Of(shape=_braking)]
     upper: Annotated[Number, Of(shape=_braking)]
     deceleration: Annotated[Number, Of(shape=_braking)]
     offset: Annotated[Number, Of(shape=_braking)]
+    ahead: Annotated[Number, Of(shape=lambda whole: (int(whole.braking),))]
 
 
 @dataclass(frozen=True, slots=True)

@@ -158,8 +158,8 @@ def _via_numbers(scene: Scene) -> ViaNumbers:
 def _braking_numbers(robot: Robot) -> BrakingNumbers:
     own, none = robot.braking, np.zeros(0)
     if own is None:
-        return BrakingNumbers(none, none, none, none)
-    return BrakingNumbers(own.lower, own.upper, own.deceleration, own.offset)
+        return BrakingNumbers(none, none, none, none, none)
+    return BrakingNumbers(own.lower, own.upper, own.deceleration, own.offset, np.array([own.ahead]))
 
 
 def _load_numbers(scene: Scene, payload: Sequence[Cargo]) -> dict[str, Any]:

@@ -76,8 +76,29 @@ def commanded_at(trajectory: Trajectory, controller: Controller | None, rate: fl
     return sampled(asked, float(trajectory.t[0]), float(trajectory.t[-1]) + controller.spread, rate)
 
 
+def asked_at(motion: JointMotion, controller: Controller, start: float, stop: float) -> JointSamples:
+    """The positions that the interface of a controller reads of a command, one a period, to its end or just after.
+
+    Args:
+        motion: the command, at rest before `start` and after `stop`, s.
+        controller: with an interface.
+        start: s.
+        stop: s.
+    """
+    count = math.ceil((stop - start) * controller.update_rate - _SAME_INSTANT)
+    t = start + np.arange(count + 1) / controller.update_rate
+    return JointSamples(t, motion(t))
+
+
+def asked_by(motion: JointMotion, controller: Controller | None, start: float, stop: float) -> JointMotion:
+    """What the drives are asked for: the spline through the positions that the interface reads, where it is stated."""
+    if controller is None or controller.interface is None:
+        return motion
+    return QUINTIC_SPLINE.motion(asked_at(motion, controller, start, stop))
+
+
 def followed(command: JointMotion, controller: Controller, start: float, stop: float) -> JointMotion:
-    """What the joints do, on the plan's clock.
+    """What the joints do, on the plan's clock; what they are asked for where they are not late.
 
     Args:
         command: on its own clock, at rest before `start` and after `stop`, s.
@@ -85,6 +106,8 @@ def followed(command: JointMotion, controller: Controller, start: float, stop: f
         start: s.
         stop: s.
     """
+    if not controller.is_late:
+        return command
     count = max(12, math.ceil((stop - start) * _RATE))
     t = start + (stop - start) / count * np.arange(count + 1)
     spline = QUINTIC_SPLINE.motion(JointSamples(t, command(t)))

@@ -15,7 +15,7 @@ from nospill.certification.verdict import Certificate
 from nospill.errors import NospillError, ScenarioError
 from nospill.export import Exporter
 from nospill.laws.constraints.jerk import OffsetJerk, PathJerk, TiltJerk, YawJerk
-from nospill.motion.control import commanded_at, followed
+from nospill.motion.control import asked_by, commanded_at, followed
 from nospill.motion.fewest_points import fewest_points, part_of
 from nospill.motion.holds import held_samples, hold_periods
 from nospill.motion.interpolation import JointMotion, JointSamples
@@ -41,10 +41,11 @@ def planned_samples(plan: Plan, rate: float) -> JointSamples:
 
 def done_by(plan: Plan, samples: JointSamples, motion: JointMotion) -> JointMotion:
     """What a record of the file is about: what the joints do where the command compensates, else the command itself."""
-    controller = plan.scene.controller
+    controller, ends = plan.scene.controller, (float(samples.t[0]), float(samples.t[-1]))
+    asked = asked_by(motion, controller, *ends)
     if controller is None or not controller.compensate:
-        return motion
-    return followed(motion, controller, float(samples.t[0]), float(samples.t[-1]))
+        return asked
+    return followed(asked, controller, *ends)
 
 
 def lead_of(plan: Plan, samples: JointSamples) -> float:

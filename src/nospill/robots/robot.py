@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+
+from nospill.core.arrays import read_only
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,19 +78,27 @@ class Braking:
     """Joint speed limits that fall towards the ends of the joints' ranges, as far as a joint needs to stop there.
 
     At q it moves up no faster than sqrt(2 deceleration (upper - q)) - offset, and down no faster than
-    sqrt(2 deceleration (q - lower)) - offset. All (n,).
+    sqrt(2 deceleration (q - lower)) - offset. All (n,) but the last.
 
     Attributes:
         lower: where the joints stop, rad; at or outside the limits of their positions.
         upper: likewise.
         deceleration: rad/s^2.
         offset: rad/s.
+        ahead: s; the place is that where the joint is so much later, at its speed.
     """
 
     lower: np.ndarray
     upper: np.ndarray
     deceleration: np.ndarray
     offset: np.ndarray
+    ahead: float = 0.0
+
+    def scaled(self, factor: float) -> Braking:
+        """The limits that are a part of these everywhere: k (sqrt(2 a w) - c) is sqrt(2 (k^2 a) w) - k c."""
+        return replace(
+            self, deceleration=read_only(factor**2 * self.deceleration), offset=read_only(factor * self.offset)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +134,7 @@ class Robot:
         meshes: what an installed package shows of it, or None.
         notes: what was assumed when its description was read, one sentence each, for people.
         doubts: what in its description is hardly meant, or stated and not applied.
+        interfaces: by which it takes commands, names of `interfaces.INTERFACES`; None where nobody says.
     """
 
     name: str
@@ -151,3 +162,4 @@ class Robot:
     meshes: PackagedMeshes | None = None
     braking: Braking | None = None
     doubts: tuple[Doubt, ...] = ()
+    interfaces: tuple[str, ...] | None = None

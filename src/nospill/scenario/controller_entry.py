@@ -1,4 +1,4 @@
-"""The keys of `[controller]`: how late the joints follow what they are asked for."""
+"""The keys of `[controller]`: by which interface the joints are asked, and how late they follow."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from pydantic import Field
 
 from nospill.core.arrays import read_only
 from nospill.errors import ScenarioError
+from nospill.robots.interfaces import INTERFACES, Interface, interface_of
 from nospill.robots.robot import Robot
 from nospill.scenario.fields import JointValues, Measured
-from nospill.scenario.tables import OptionalQuantityOrList, QuantityOrList, Table, default
+from nospill.scenario.tables import OptionalQuantity, OptionalQuantityOrList, QuantityOrList, Table, default
 from nospill.scene.controller import Controller
 
 _LONGEST = 0.5
@@ -20,8 +21,25 @@ _TIME = JointValues(entry=Measured(dimension="time", at_least=0.0, at_most=_LONG
 
 
 class ControllerTable(Table):
-    """`[controller]`: how every joint follows its command, lag q' + q = command(t - delay)."""
+    """`[controller]`: how the joints are asked, and how they follow, lag q' + q = command(t - delay)."""
 
+    interface: Annotated[
+        str | None,
+        Field(
+            strict=True,
+            description=f"how the arm is asked, one of those it has: {', '.join(INTERFACES)}; its period, and what it "
+            "checks of a command, are in the certificate and planned for",
+        ),
+    ] = None
+    update_rate: Annotated[
+        OptionalQuantity,
+        Measured(dimension="frequency", at_least=10.0, at_most=1000.0),
+        Field(description="positions a second that the interface reads; its usual rate when not given"),
+    ] = default(None)
+    points: Annotated[
+        int | None,
+        Field(strict=True, ge=2, description="most points that the controller takes of a file"),
+    ] = None
     delay: Annotated[
         QuantityOrList, _TIME, Field(description="time after which a joint begins to follow its command")
     ] = default(0.0)
@@ -46,15 +64,31 @@ class ControllerTable(Table):
         """The controller of an arm.
 
         Raises:
-            ScenarioError: a list of another length than there are joints; the message starts with the key.
+            ScenarioError: a list of another length than there are joints, or an interface or a rate that the arm does
+                not have; the message starts with the key.
         """
-        tolerance = self.tracking_tolerance
+        tolerance, interface = self.tracking_tolerance, self._interface(robot)
         return Controller(
             delay=_of_joints(self.delay, "delay", robot),
             lag=_of_joints(self.lag, "lag", robot),
             compensate=self.compensate,
             tracking_tolerance=None if tolerance is None else _of_joints(tolerance, "tracking_tolerance", robot),
+            interface=interface,
+            update_rate=0.0 if interface is None else interface.rate_of(self.update_rate),
+            points=self.points,
         )
+
+    @property
+    def is_late(self) -> bool:
+        """Whether a joint follows later than it is asked."""
+        return bool(np.any(np.array(self.delay)) or np.any(np.array(self.lag)))
+
+    def _interface(self, robot: Robot) -> Interface | None:
+        if self.interface is not None:
+            return interface_of(robot, self.interface)
+        if self.update_rate is not None:
+            raise ScenarioError('update_rate is stated without an interface; name it, as in interface = "jtc"')
+        return None
 
 
 def _of_joints(given: float | tuple[float, ...], key: str, robot: Robot) -> np.ndarray:

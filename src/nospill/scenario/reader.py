@@ -17,6 +17,7 @@ from nospill.core.arrays import read_only
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.paths.path import Path
+from nospill.robots.interfaces import SAME_RATE, Interface, limited_by
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_table
@@ -32,6 +33,7 @@ from nospill.scenario.rest_reasons import layout_reason, payload_reason
 from nospill.scenario.sentences import Fault, report
 from nospill.scenario.tables import Table, plain
 from nospill.scene.cargo import Cargo
+from nospill.scene.controller import Controller
 from nospill.scene.places import Via
 from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, Origin, PlanningOptions, Scene, path_length_of
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
@@ -80,10 +82,13 @@ def read_scene(
         bodies = bool(scenario.obstacle) or scenario.robot.self_collision == "on"
         described = scenario.robot.standalone(folder, capsules=bodies)
         robot = scenario.robot.model_copy(update=described).build()
-    with _at(label, "[approach]"):
-        approach = None if scenario.approach is None else scenario.approach.build(robot)
     with _at(label, "[controller]"):
         controller = None if scenario.controller is None else scenario.controller.build(robot)
+    interface = None if controller is None else controller.interface
+    if interface is not None:
+        robot = limited_by(robot, interface)
+    with _at(label, "[approach]"):
+        approach = None if scenario.approach is None else scenario.approach.build(robot)
     tool = Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange)
     tray = Tray(size=read_only(scenario.tray.size), tool=tool, mass=scenario.tray.mass)
     with _at(label, "[path]"):
@@ -118,7 +123,9 @@ def read_scene(
         source["obstacle"] = [
             {**entry, **update} for entry, update in zip(table["obstacle"], described_obstacles, strict=True)
         ]
-    motion = _motion(scenario, path, tray, passed)
+    motion = _motion(scenario, path, tray, passed, interface)
+    with _at(label, "[output]"):
+        output_rate = _output_rate(scenario, controller)
     if scenario.fidelity == "full" and turns(path, motion):
         cargo = tuple(turning(item) for item in cargo)
     return Scene(
@@ -130,7 +137,7 @@ def read_scene(
         path=path,
         motion=motion,
         planning=_record_of(PlanningOptions, scenario.planning, {}),
-        output_rate=scenario.output.rate,
+        output_rate=output_rate,
         gravity=STANDARD_GRAVITY,
         slosh_modes=_slosh_modes(scenario),
         origin=origin(plain(_stated(source))),
@@ -140,6 +147,25 @@ def read_scene(
         obstacles=obstacles,
         regions=regions,
     ).marked_as_read()
+
+
+def _output_rate(scenario: Scenario, controller: Controller | None) -> float:
+    """The rate that is stated, Hz; else that of the interface, for which the samples then are.
+
+    Raises:
+        ScenarioError: the interface reads fewer positions a second; starts with the key.
+    """
+    stated = scenario.output.rate
+    if controller is None or controller.interface is None:
+        return stated
+    if "rate" not in scenario.output.model_fields_set:
+        return controller.update_rate
+    if stated > controller.update_rate * (1.0 + SAME_RATE):
+        raise ScenarioError(
+            f"rate is {stated:g} Hz; {controller.interface.name} reads {controller.update_rate:.6g} positions a "
+            "second; leave rate out"
+        )
+    return stated
 
 
 def _stated(source: Mapping[str, Any]) -> dict[str, Any]:
@@ -312,7 +338,8 @@ def _check_speed_range(scenario: Scenario) -> None:
             'motion at one speed do not at another; write end = "residual"'
         )
     swinging = any(entry.initial_swing is not None for entry in scenario.cargo)
-    other = "[controller]" if scenario.controller else "initial_swing" if swinging else ""
+    late = scenario.controller is not None and scenario.controller.is_late
+    other = "[controller]" if late else "initial_swing" if swinging else ""
     if other:
         raise ScenarioError(
             f"speed_range and {other} are stated together: what {other} describes does not slow down with the motion; "
@@ -327,9 +354,13 @@ def _path_jerk_limit(rules: MotionTable, path: Path, tray: Tray) -> float:
     return (rules.max_jerk or DEFAULT_JERK) / path_length_of(path, tray)
 
 
-def _motion(scenario: Scenario, path: Path, tray: Tray, passed: tuple[Via, ...]) -> MotionRules:
+def _motion(
+    scenario: Scenario, path: Path, tray: Tray, passed: tuple[Via, ...], interface: Interface | None
+) -> MotionRules:
     rules, range_ = scenario.motion, scenario.motion.speed_range
+    speeds = [rules.max_speed, interface.checks.hand_speed if interface and interface.checks else None]
     own = {
+        "max_speed": min((speed for speed in speeds if speed is not None), default=None),
         "tilt_free": rules.tilt == "free",
         "path_jerk_limit": _path_jerk_limit(rules, path, tray),
         "speed_range": None if range_ is None else (range_[0], range_[1]),

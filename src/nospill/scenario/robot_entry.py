@@ -65,7 +65,11 @@ class JointLimitsTable(Table):
     torque: Annotated[
         OptionalQuantityOrList, _limit("torque", 1e6), Field(description="joint torque at the joint's axis")
     ] = default(None)
-    speed_scale: _Scale = default(None)
+    speed_scale: Annotated[
+        OptionalQuantity,
+        Measured(dimension="ratio", above=0.0, at_most=1.0),
+        Field(description="factor on every limit of speed, those near the ends of the ranges too, as 0.8 or 80 %"),
+    ] = default(None)
     acceleration_scale: _Scale = default(None)
     jerk_scale: _Scale = default(None)
     torque_scale: _Scale = default(None)
@@ -198,6 +202,8 @@ class RobotTable(Table):
             known = moved_robot(model, tip=self.tip, tip_rpy=self.tip_rpy, base=base, locked=self.locked)
             arm = LimitedArm(known.name, known.joints, known.inertias_known)
             robot = replace(known, **self._limits(limits_of(known), arm).fields())
+            if robot.braking is not None and self.limits.speed_scale is not None:
+                robot = replace(robot, braking=robot.braking.scaled(self.limits.speed_scale))
         else:
             text = self.urdf_text or ""
             robot = self._own(read_arm(text, tip=self.tip, tip_rpy=self.tip_rpy, base=base, locked=self.locked))

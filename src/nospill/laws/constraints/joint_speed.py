@@ -17,7 +17,8 @@ class JointSpeed(Constraint):
     """|qd| <= max_speed, and where the arm has limits of braking, those near the ends of the ranges.
 
     Up: qd <= sqrt(2 deceleration (upper - q)) - offset, down likewise [Franka Control Interface documentation, Limits
-    for Franka Research 3].
+    for Franka Research 3]. Where a controller takes the limit at the place that the joint reaches in a period T, q is
+    q + T qd: of differences (q1 - q0)/T that is q1.
     """
 
     name = "joint speed"
@@ -46,9 +47,10 @@ class JointSpeed(Constraint):
 
 def _squares(sample: Sample) -> tuple[SX, SX]:
     """Squares (n, 1) of the speeds, offset included, from which each joint stops before its lower and upper end."""
-    q, braking = sample.joint_position, sample.numbers.braking
-    assert q is not None
+    q, qd, braking = sample.joint_position, sample.joint_speed, sample.numbers.braking
+    assert q is not None and qd is not None
     least = (braking.offset + _STANDING) ** 2
-    ways = (q - braking.lower, braking.upper - q)
+    reached = q + braking.ahead * qd
+    ways = (reached - braking.lower, braking.upper - reached)
     below, above = (ca.fmax(2 * braking.deceleration * way, least) for way in ways)
     return below, above

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import MISSING, fields, replace
 from importlib import resources
 from typing import Any
 
@@ -73,6 +73,7 @@ def load_robot(name: str) -> Robot:
         ),
         meshes=_packaged(facts["meshes"]) if "meshes" in facts else None,
         braking=_braking(facts["braking"]) if "braking" in facts else None,
+        interfaces=tuple(facts["interfaces"]),
     )
 
 
@@ -129,7 +130,8 @@ def robot_table() -> list[dict[str, Any]]:
     Returns:
         Rows with the keys name, title, joint_count, joints, tip, reach_m, payload_kg, lower_deg, upper_deg,
         max_speed_deg_s, braking_deceleration_rad_s2, braking_offset_rad_s, max_acceleration_rad_s2, max_jerk_rad_s3,
-        max_torque_nm (None where nobody states it), inertias_known, home_deg, base_frame, sources, not_known.
+        max_torque_nm (None where nobody states it), inertias_known, home_deg, base_frame, interfaces, sources,
+        not_known.
     """
     return [_row(load_robot(name)) for name in ROBOTS]
 
@@ -154,6 +156,7 @@ def _row(robot: Robot) -> dict[str, Any]:
         "inertias_known": robot.inertias_known,
         "home_deg": None if robot.home is None else _degrees(robot.home),
         "base_frame": robot.base_frame,
+        "interfaces": list(robot.interfaces or ()),
         "sources": dict(robot.sources),
         "not_known": list(robot.not_known),
     }
@@ -161,13 +164,15 @@ def _row(robot: Robot) -> dict[str, Any]:
 
 def _braking(table: Mapping[str, Any]) -> Braking:
     keys = ("lower_rad", "upper_rad", "deceleration_rad_s2", "offset_rad_s")
-    return Braking(*(read_only(table[key]) for key in keys))
+    lower, upper, deceleration, offset = (read_only(table[key]) for key in keys)
+    return Braking(lower, upper, deceleration, offset)
 
 
 def _braking_of(braking: Braking | None, kept: Sequence[int]) -> Braking | None:
     if braking is None:
         return None
-    return Braking(*(read_only(getattr(braking, part.name)[kept]) for part in fields(Braking)))
+    per_joint = [part.name for part in fields(Braking) if part.default is MISSING]
+    return replace(braking, **{name: read_only(getattr(braking, name)[kept]) for name in per_joint})
 
 
 def _packaged(table: Mapping[str, Any]) -> PackagedMeshes:
