@@ -216,6 +216,7 @@ class SceneNumbers:
     joint_upper: Annotated[Number, Of("robot.upper", joints)]
     max_speed: Annotated[Number, Of("robot.max_speed", joints)]
     braking: BrakingNumbers
+    lag: Annotated[Number, Of(shape=lambda whole: (len(whole.joints) if whole.lagged else 0,))]
     max_acceleration: Annotated[Number, Of("robot.max_acceleration", joints)]
     max_jerk: Annotated[Number, Of("robot.max_jerk", joints)]
     max_torque: Annotated[Number, Of(shape=joints)]
@@ -296,6 +297,7 @@ class Structure:
         torque_joints: indices of the joints whose torque is limited; others have zero in the place of a limit.
         motion_limits: which limits of the motion are stated that need not be, by their names in `MotionRules`.
         braking: whether joint speeds are limited near the ends of the ranges too.
+        lagged: whether accelerations are limited of a command too, which compensates for lags of the joints.
         redundant: whether the arm has a seventh joint, and so a free parameter in every pose.
         regular: whether the problem keeps the arm away from singularities; off until a motion asks for it.
         slowed: whether objects are in it that are moved at another speed, and read where up is.
@@ -322,6 +324,7 @@ class Structure:
     yaw_free: bool = False
     motion_limits: tuple[str, ...] = ()
     braking: bool = False
+    lagged: bool = False
     slowed: bool = False
     vias: int = 0
     corridor_steps: int = 0

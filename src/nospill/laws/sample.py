@@ -56,6 +56,7 @@ class Sample:
         joint_position, joint_speed, joint_acceleration: (n, 1), rad, rad/s, rad/s^2; the last one only where
             acceleration or torque is limited.
         joint_jerk: (n, 1), rad/s^3, only where it is limited.
+        command_acceleration: (n, k), rad/s^2, of a command that compensates for lags, about this instant.
         tilt, tilt_speed: (2, 1), theta_x and theta_y, rad, and their time derivatives, rad/s.
         offset: (3, 1), from the path to the tray's centre, base axes, m.
         tray_position, tray_velocity, tray_acceleration: (3, 1), of the tray's centre, base axes, m, m/s, m/s^2.
@@ -71,6 +72,7 @@ class Sample:
     joint_speed: SX | None = None
     joint_acceleration: SX | None = None
     joint_jerk: SX | None = None
+    command_acceleration: SX | None = None
     tilt: SX | None = None
     tilt_speed: SX | None = None
     offset: SX | None = None

@@ -57,6 +57,7 @@ def structure_of(scene: Scene) -> Structure:
         yaw_free=scene.motion.yaw_free,
         motion_limits=_motion_limits(scene.motion),
         braking=scene.robot.braking is not None,
+        lagged=_lagged(scene),
         slowed=any(cargo.is_slowed for cargo in scene.cargo),
         constraints=tuple(item.on(scene) for item in scene.constraints),
         by_joints=scene.path.joint_curve is not None,
@@ -86,6 +87,13 @@ def _tense(cargo: Cargo) -> bool:
 def joint_limits(robot: Robot) -> tuple[str, ...]:
     """`Structure.joint_limits` of a robot."""
     return tuple(name for name, limit in _further_limits(robot).items() if limit is not None)
+
+
+def _lagged(scene: Scene) -> bool:
+    """Whether accelerations are limited of a command that is not the motion itself."""
+    controller = scene.controller
+    compensated = controller is not None and controller.compensate and bool(np.any(controller.lag))
+    return compensated and scene.robot.max_acceleration is not None
 
 
 def _motion_limits(rules: MotionRules) -> tuple[str, ...]:
@@ -135,6 +143,7 @@ def _numbers(scene: Scene) -> SceneNumbers:
         **{name: value for name, value in _as_they_are(scene).items() if value is not None},
         base=without_place(scene.robot.urdf)[1],
         braking=_braking_numbers(scene.robot),
+        lag=scene.controller.lag if scene.controller is not None and _lagged(scene) else np.zeros(0),
         max_torque=blank.max_torque if torque is None else torque,
         **_load_numbers(scene, scene.cargo),
         via=_via_numbers(scene),

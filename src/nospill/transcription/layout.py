@@ -113,6 +113,6 @@ def layout_of(structure: Structure) -> Layout:
         redundant=int(structure.redundant),
         coordinates=coordinate_count(structure),
         joints=len(structure.joints),
-        orders=max((lifted[name] for name in structure.joint_limits), default=1),
+        orders=3 if structure.lagged else max((lifted[name] for name in structure.joint_limits), default=1),
         regular=int(structure.regular),
     )

@@ -230,6 +230,7 @@ def _rows(
         joint_speed=stage[layout.joint_speed],
         joint_acceleration=stage[layout.joint_derivative(2)] if layout.orders > 1 else None,
         joint_jerk=stage[layout.joint_derivative(3)] if layout.orders > 2 else None,
+        command_acceleration=_command_acceleration(layout, numbers, stage) if structure.lagged else None,
         tilt=_values(stage, layout.freedom.tilt_chains),
         tilt_speed=_values(stage, layout.freedom.tilt_chains, order=1),
         offset=_values(stage, layout.freedom.offset_chains),
@@ -242,6 +243,14 @@ def _rows(
     collector = RowCollector(backoff)
     collector.add(sample, _POINTS)
     return collector
+
+
+def _command_acceleration(layout: Layout, numbers: SceneNumbers, stage: SX) -> SX:
+    """Accelerations qdd + lag qddd of a command at both ends of the interval (n, 2), whose jerk is nearly constant."""
+    acceleration, jerk = (stage[layout.joint_derivative(order)] for order in (2, 3))
+    start = acceleration + numbers.lag * jerk
+    both: SX = ca.horzcat(start, start + stage[layout.interval] * jerk)
+    return both
 
 
 def _values(stage: SX, chains: range, order: int = 0) -> SX | None:

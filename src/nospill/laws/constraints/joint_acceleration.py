@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import casadi as ca
+
 from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, JointKey, Range, Role
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
 
 class JointAcceleration(Constraint):
-    """|qdd| <= max_acceleration."""
+    """|qdd| <= max_acceleration of what the joints do, and where they lag of what they are asked for: qdd + lag qddd."""
 
     name = "joint acceleration"
     unit = "rad/s^2"
@@ -25,9 +27,14 @@ class JointAcceleration(Constraint):
         return () if scene.robot.max_acceleration is None else scene.robot.joints
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
-        """One range per joint."""
+        """Ranges of every joint."""
         if "acceleration" not in sample.structure.joint_limits:
             return ()
         qdd, limit = sample.joint_acceleration, sample.numbers.max_acceleration
         assert qdd is not None
-        return tuple((Range(qdd[i], -limit[i], limit[i], limit[i]),) for i in range(qdd.numel()))
+        asked = sample.command_acceleration
+        columns = qdd if asked is None else ca.horzcat(qdd, asked)
+        return tuple(
+            tuple(Range(columns[i, k], -limit[i], limit[i], limit[i]) for k in range(columns.size2()))
+            for i in range(qdd.numel())
+        )
