@@ -49,6 +49,11 @@ def robots(
         ],
     )
     print()
+    print_table(
+        ("robot", "interfaces, for [controller] interface"),
+        [(row["name"], ", ".join(row["interfaces"]) or "none known") for row in table],
+    )
+    print()
     print_table(("robot", "not known"), [(row["name"], "; ".join(map(str, row["not_known"]))) for row in table])
     return 0
 

@@ -54,8 +54,10 @@ class JudgedMotion:
     @property
     def played_text(self) -> str:
         """How the points are played, in one line."""
-        late = "; the joints follow with the delay and lag of [controller]" if self.scene.controller else ""
-        return f"played as {self.played.title}{late}"
+        controller = self.scene.controller
+        late = controller is not None and controller.is_late
+        follows = "; the joints follow with the delay and lag of [controller]" if late else ""
+        return f"played as {self.played.title}{follows}"
 
     @property
     def certificate(self) -> Certificate:

@@ -18,6 +18,7 @@ from nospill.certification.verdict import Row
 from nospill.laws.constraints import END_NAMES, by_name, constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.constraints.clearance import Clearance, clearance_backoff
+from nospill.laws.constraints.joint_jerk import command_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.planning.members import Members, tightened, uses_of
@@ -103,7 +104,8 @@ class ActiveSet:
             left_out.add(JointPosition.name)  # the path alone gives the joints, and the joint path keeps their ranges
         possible = frozenset(row for row in rows if row.constraint not in left_out)
         known = by_name(scene)
-        backoff = {row: known[row.constraint].backoff for row in rows} | range_backoff(scene, q) | apart
+        backoff = {row: known[row.constraint].backoff for row in rows}
+        backoff |= range_backoff(scene, q) | command_backoff(scene) | apart
         return cls(task, scene, members, refined, modes, possible - task.of_arm, possible, backoff)
 
     @property
@@ -146,8 +148,10 @@ class ActiveSet:
 
     def increased(self) -> dict[str, float]:
         """Back-off above the first one, by the labels of the rows."""
-        known = by_name(self.scene)
-        above = ((row, value) for row, value in self.backoff.items() if value > known[row.constraint].backoff)
+        known, first = by_name(self.scene), command_backoff(self.scene)
+        above = (
+            (row, value) for row, value in self.backoff.items() if value > first.get(row, known[row.constraint].backoff)
+        )
         return {row.label: value for row, value in above}
 
     def after(self, judgement: Judgement, slack: Mapping[RowId, float] = MappingProxyType({})) -> ActiveSet:

@@ -113,7 +113,7 @@ def hand_over(
         path: file to write, at once or not at all.
         rate: samples per second, Hz; the format's usual one or the plan's when left out.
         points: how many samples there may be at most; then they are the fewest, unevenly spaced, that stay certified,
-            of the plan's own.
+            of the plan's own. Those of `[controller]` when left out, for a format of uneven samples.
 
     Raises:
         ScenarioError: the format does not take this scene, rate or uneven samples; or more samples are needed.
@@ -125,8 +125,11 @@ def hand_over(
     rate = rate_of(plan, exporter, rate)
     require_exportable(plan, exporter, rate)
     samples = planned_samples(plan, rate)
+    taken = None if plan.scene.controller is None else plan.scene.controller.points
     if points is not None:
-        samples = fewest_certified(plan, exporter, samples, points)
+        samples = fewest_certified(plan, exporter, samples, points, "--points")
+    elif taken is not None and exporter.uneven and len(samples.t) > taken:
+        samples = fewest_certified(plan, exporter, samples, taken, "controller.points")
     exporter.write(samples, plan.scene, path)
     return judge_exported_file(plan, exporter, path)
 

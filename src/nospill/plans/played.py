@@ -98,8 +98,8 @@ def certified(plan: Plan, samples: JointSamples, motion: JointMotion) -> Certifi
     return replace(found, rows=rows, ok=all(row.ok for row in rows) and not found.unjudged)
 
 
-def fewest_certified(plan: Plan, exporter: Exporter, samples: JointSamples, most: int) -> JointSamples:
-    """The fewest of the samples that stay certified as the receiver plays them.
+def fewest_certified(plan: Plan, exporter: Exporter, samples: JointSamples, most: int, key: str) -> JointSamples:
+    """The fewest of the samples that stay certified as the receiver plays them; `key` is where `most` was stated.
 
     The fewer there are, the farther the receiver's accelerations are from those of the plan: the largest distance that
     is still certified is found by halving its logarithm.
@@ -109,7 +109,7 @@ def fewest_certified(plan: Plan, exporter: Exporter, samples: JointSamples, most
     """
     if not exporter.uneven:
         raise ScenarioError(
-            f"{exporter.name}: is played a row a period, evenly spaced; leave --points out, or take joint-trajectory"
+            f"{exporter.name}: is played a row a period, evenly spaced; leave {key} out, or take joint-trajectory"
         )
     best = None
     close, far = map(math.log, _TOLERANCES)
@@ -123,8 +123,8 @@ def fewest_certified(plan: Plan, exporter: Exporter, samples: JointSamples, most
     least = samples if best is None else best
     if len(least.t) > most:
         raise ScenarioError(
-            f"--points {most}: {len(least.t)} points are the fewest that stay certified; "
-            f"--points {len(least.t)} would do, or a slower plan (nospill slow)"
+            f"{key} {most}: {len(least.t)} points are the fewest that stay certified; "
+            f"{key} {len(least.t)} would do, or a slower plan (nospill slow)"
         )
     return least
 

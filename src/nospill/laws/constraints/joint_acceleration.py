@@ -10,7 +10,7 @@ from nospill.scene.scene import Scene
 
 
 class JointAcceleration(Constraint):
-    """|qdd| <= max_acceleration of what the joints do, and where they lag of what they are asked for: qdd + lag qddd."""
+    """|qdd| <= max_acceleration of what the joints do; of joints that lag qdd + lag qddd too, of their command."""
 
     name = "joint acceleration"
     unit = "rad/s^2"
