@@ -97,7 +97,7 @@ def command_traces(scene: Scene, command: JointSamples) -> list[Trace]:
     t, before, speed, acceleration, jerk = differences(command)
     kept = (JointPosition, JointSpeed, JointAcceleration) if checks else (JointAcceleration,)
     traces += _joint_traces(scene, kept, t, before, speed, acceleration)
-    chains = structure_of(scene).freedom.chains
+    chains = structure_of(of_joints_alone(scene)).freedom.chains
     still = [np.zeros((rows, len(t))) for rows in (2, 2, chains)]
     traces += _evaluated(scene, (JointJerk,), EvaluationPoint.CONTROL, (t, [*still, jerk.T]))
     return [replace(trace, variant=COMMAND) for trace in traces]
