@@ -121,7 +121,7 @@ def interface_of(robot: Robot, name: str) -> Interface:
         raise ScenarioError(f'interface "{name}" is not known; there are {", ".join(INTERFACES)}{hint}')
     found = INTERFACES[name]
     if robot.interfaces is not None and name not in robot.interfaces:
-        has = f"it has {', '.join(robot.interfaces)}" if robot.interfaces else "none of it is known"
+        has = f"it has {', '.join(robot.interfaces)}" if robot.interfaces else "none of its interfaces is known"
         raise ScenarioError(f'interface is "{name}", which {robot.name} lacks; {has}')
     if found.joints is not None and len(robot.joints) != found.joints:
         raise ScenarioError(
