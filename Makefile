@@ -18,12 +18,13 @@ TRIAL := out/from-the-wheel
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-fast check format docs pages build bench clean
+.PHONY: help demo test test-fast robots check format docs pages build bench clean
 
 help:
 	@echo "make demo       plan the example matrix-liquid and write its folder to $(DEMO)"
 	@echo "make test       run the whole test suite and name its slowest tests"
 	@echo "make test-fast  run the tests that take no long solve, in under a minute and a half"
+	@echo "make robots     tests against the checker of franka-sim, which is installed for them"
 	@echo "make check      linter, formatting, types, import rules"
 	@echo "make format     mend formatting and what else the linter can mend by itself"
 	@echo "make docs       build the documentation, plans and pictures included, to docs/_build/html, and test its pages"
@@ -43,6 +44,11 @@ test: $(VENV)/.ready
 
 test-fast: $(VENV)/.ready
 	$(PYTEST) -m "not slow"
+
+# Its wheel wants an older numpy and MuJoCo than this project, and its checker neither.
+robots: $(VENV)/.ready
+	$(VENV)/bin/python $(PIP) --no-deps franka-sim
+	$(PYTEST) tests/system/test_franka_interface.py
 
 check: $(CHECK)/.ready
 	$(CHECK)/bin/ruff check .
