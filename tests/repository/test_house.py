@@ -83,7 +83,7 @@ def test_continuous_integration_runs_the_two_commands_of_the_readme_first() -> N
     text = script.read_text()
     assert os.access(script, os.X_OK)
     assert "set -euo pipefail" in text
-    assert goals(text) == ["demo", "test", "check", "docs", "build"]
+    assert goals(text) == ["demo", "test", "robots", "check", "docs", "build"]
     # Before anything else is installed into any environment, and the tests' closing lines end the log.
     assert text.index("make test") < text.index("make .venv-check")
     assert text.splitlines()[-1].startswith("tail ") and text.splitlines()[-1].endswith("out/test.log")

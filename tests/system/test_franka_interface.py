@@ -47,6 +47,17 @@ def _unscaled(scene: Scene) -> Scene:
     return scene.changed({"robot.limits": None})
 
 
+def test_the_filter_of_the_library_breaks_no_limit(plans: list[tuple[dict[str, Any], Plan]]) -> None:
+    """libfranka's low-pass of first order at 100 Hz: weighted means of past positions."""
+    gain = 1e-3 / (1e-3 + 1.0 / (2.0 * np.pi * 100.0))
+    for _, plan in plans:
+        q = planned_samples(plan, 1000.0).position
+        filtered = [q[0]]
+        for position in (*q, *np.repeat(q[-1:], 200, axis=0)):
+            filtered.append(gain * position + (1.0 - gain) * filtered[-1])
+        assert not violations(np.array(filtered))
+
+
 def test_a_command_that_compensates_for_lags_is_accepted() -> None:
     ((_, plan),) = drawn_plans(1, {"interface": "fci", "lag": "5 ms"})
     assert not violations(planned_samples(plan, 1000.0).position)

@@ -12,6 +12,7 @@ from nospill.export import EXPORTERS
 from nospill.laws.constraints import BY_NAME
 from nospill.motion_files.receivers import RECEIVERS
 from nospill.robots.description.catalog import robot_table
+from nospill.robots.interfaces import INTERFACES
 from nospill.scenario.examples import EXAMPLES
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.liquids import LIQUIDS
@@ -51,6 +52,23 @@ def constraints_table() -> str:
 def receivers_table() -> str:
     """Name of every receiver of a motion file, and how it moves between the points."""
     return markdown_table(("name", "who plays it"), [(f"`{item.name}`", item.title) for item in RECEIVERS.values()])
+
+
+def interfaces_table() -> str:
+    """Name of every interface of a controller, what it is, how often it reads a command, and which arms have it."""
+    arms = robot_table()
+    rows = [
+        (
+            f"`{item.name}`",
+            item.title,
+            f"{item.rates[1]:g} to {item.rates[2]:g} ({item.rates[0]:g})"
+            if item.any_rate
+            else " or ".join(f"{rate:.5g}" for rate in item.rates),
+            ", ".join(f"`{arm['name']}`" for arm in arms if item.name in arm["interfaces"]),
+        )
+        for item in INTERFACES.values()
+    ]
+    return markdown_table(("`interface`", "what it is", "positions a second", "arms of the catalogue"), rows)
 
 
 def exporters_table() -> str:
@@ -178,6 +196,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "constraints": constraints_table,
     "examples": examples_table,
     "exporters": exporters_table,
+    "interfaces": interfaces_table,
     "liquids": liquids_table,
     "receivers": receivers_table,
     "robots": robots_page,

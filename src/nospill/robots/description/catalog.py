@@ -73,7 +73,7 @@ def load_robot(name: str) -> Robot:
         ),
         meshes=_packaged(facts["meshes"]) if "meshes" in facts else None,
         braking=_braking(facts["braking"]) if "braking" in facts else None,
-        interfaces=tuple(facts["interfaces"]),
+        interfaces=tuple(facts["interfaces"]) if "interfaces" in facts else None,
     )
 
 
