@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -63,15 +64,13 @@ def violations(q: np.ndarray) -> list[str]:
 
     The arm does what it is asked for, a cycle later.
     """
-    from franka_sim.control_modes import ControlMode
-    from franka_sim.limits.checker import MotionLimitChecker
-
+    modes, limits = (import_module(f"franka_sim.{name}") for name in ("control_modes", "limits.checker"))
     still = ((_STILL, _STILL), (0, 0))
     asked, zeros = np.pad(q, still, mode="edge"), [0.0] * 7
     speed = np.diff(asked, axis=0, prepend=asked[:1]) / 1e-3
-    checker = MotionLimitChecker(enforce=True)
+    checker = limits.MotionLimitChecker(enforce=True)
     start = {"q": list(asked[0]), "q_d": list(asked[0]), "dq_d": zeros, "ddq_d": zeros, "tau_J_d": zeros}
-    checker.start_motion(ControlMode.POSITION, start)
+    checker.start_motion(modes.ControlMode.POSITION, start)
     said = []
     for cycle, position in enumerate(asked):
         before = max(cycle - 1, 0)

@@ -22,9 +22,8 @@ DOCS = ROOT / "tests" / "repository" / "docs"
 """Tests of the pages, which `make docs` runs in an environment with the extra `docs`."""
 ALONE = {
     "toppra": "compared with where it is installed; has no wheels",
-    "franka_sim": "make robots installs it; its wheel wants an older numpy, which its checker does not need",
 }
-"""What a benchmark or a test imports only where somebody has installed it, and why."""
+"""What a benchmark imports only where somebody has installed it, and why."""
 
 
 def canonical(name: str) -> str:
