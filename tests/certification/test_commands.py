@@ -120,6 +120,14 @@ def test_joints_that_are_not_late_have_rows_of_a_command_where_it_is_checked_alo
         assert not command_traces(replace(scene, controller=other), asked)
 
 
+def test_a_tray_that_may_leave_its_path_changes_nothing_for_a_command() -> None:
+    scene, asked = arm_with(), command(0, 1e-6 * np.arange(40.0))
+    wide = scene.changed({"path.corridor": "20 mm"})
+    assert wide.motion.corridor is not None
+    for ours, theirs in zip(command_traces(wide, asked), command_traces(scene, asked), strict=True):
+        assert ours.id == theirs.id and ours.margin == pytest.approx(theirs.margin)
+
+
 def test_a_command_from_elsewhere_is_refused_by_its_differences() -> None:
     """A ramp of speed alone: no rest at the ends of its acceleration, as `judge` finds it."""
     scene, record = gentle(0.0, 0.45)
