@@ -17,7 +17,9 @@ from nospill.plans.handover import hand_over
 from nospill.plans.plan import Plan
 from nospill.plans.played import done_by, planned_samples
 from nospill.robots.interfaces import INTERFACES
+from nospill.scenario import scene_from_table
 from nospill.scene.controller import Controller
+from tests.franka_plans import drawn_tables
 
 
 def asked_by(plan: Plan, name: str, rate: float, points: int | None = None) -> Plan:
@@ -55,6 +57,15 @@ def test_files_have_no_more_points_than_the_controller_takes(gentle_plan: Callab
     assert done.certificate.ok and not done.even and done.samples <= 200
     with pytest.raises(ScenarioError, match=r"controller\.points 5: \d+ points are the fewest"):
         hand_over(asked_by(plan, "jtc", 500.0, points=5), EXPORTERS["joint-trajectory"], path)
+
+
+def test_a_file_for_a_franka_says_where_the_checks_of_its_interface_are_left_out() -> None:
+    table = next(drawn_tables())
+    plain, checked = (scene_from_table(table | {"controller": own}, name="own") for own in ({}, {"interface": "fci"}))
+    said = csv_exporter("franka").caution(plain, 1000.0)
+    assert said is not None and 'plan with [controller] interface = "fci"' in said
+    assert csv_exporter("franka").caution(checked, 1000.0) is None
+    assert csv_exporter().caution(plain, 1000.0) is None
 
 
 @pytest.mark.slow

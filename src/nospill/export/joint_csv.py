@@ -81,6 +81,7 @@ def csv_exporter(profile: str = PLAIN.name) -> Exporter:
         reason_against=chosen.reason_against,
         write=lambda samples, scene, path: _write(samples, scene, path, chosen),
         read=lambda path, scene: _read(path, scene, chosen),
+        caution=lambda scene, rate: chosen.caution(scene),
         usual_rate=chosen.rates[0] if chosen.rates else None,
         uneven=chosen.whole,
         options=("profile",),

@@ -27,6 +27,7 @@ class Profile:
         unit: "rad" or "deg".
         names: name of a joint's column by its number from 0 (`{0}`) or from 1 (`{1}`); empty for the arm's own names.
         whole: whether speeds and accelerations are in it too; the reader then plays a quintic per segment.
+        interface: by which the reader asks the arm, where that checks a command, of `interfaces.INTERFACES`.
     """
 
     name: str
@@ -37,6 +38,17 @@ class Profile:
     unit: str = "rad"
     names: str = ""
     whole: bool = False
+    interface: str = ""
+
+    def caution(self, scene: Scene) -> str | None:
+        """The sentence about checks of the interface that the certificate does not have, or None."""
+        stated = None if scene.controller is None else scene.controller.interface
+        if not self.interface or (stated is not None and stated.name == self.interface):
+            return None
+        return (
+            f"what the interface checks of a command is not in the certificate; plan with [controller] interface = "
+            f'"{self.interface}"'
+        )
 
     @property
     def interpolation(self) -> Interpolation:
@@ -80,6 +92,7 @@ PROFILES: dict[str, Profile] = {
             joints=(7,),
             rates=(1000.0,),
             names="q_{0}",
+            interface="fci",
         ),
         Profile(
             "servoj",
