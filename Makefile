@@ -7,6 +7,7 @@ PYTHON ?= python3
 VENV := .venv
 CHECK := .venv-check
 DOCS := .venv-docs
+ROBOTS := .venv-robots
 WHEEL := .venv-wheel
 PIP := -m pip install --quiet --disable-pip-version-check --no-input -c constraints.txt
 PINS := pyproject.toml constraints.txt
@@ -24,7 +25,7 @@ help:
 	@echo "make demo       plan the example matrix-liquid and write its folder to $(DEMO)"
 	@echo "make test       run the whole test suite and name its slowest tests"
 	@echo "make test-fast  run the tests that take no long solve, in under a minute and a half"
-	@echo "make robots     tests against the checker of franka-sim, which is installed for them"
+	@echo "make robots     tests against software of others: the checker of franka-sim, rclpy"
 	@echo "make check      linter, formatting, types, import rules"
 	@echo "make format     mend formatting and what else the linter can mend by itself"
 	@echo "make docs       build the documentation, plans and pictures included, to docs/_build/html, and test its pages"
@@ -45,10 +46,11 @@ test: $(VENV)/.ready
 test-fast: $(VENV)/.ready
 	$(PYTEST) -m "not slow"
 
-# Its wheel wants an older numpy and MuJoCo than this project, and its checker neither.
-robots: $(VENV)/.ready
-	$(VENV)/bin/python $(PIP) --no-deps franka-sim
-	$(PYTEST) tests/system/test_franka_interface.py
+# An environment of its own. The wheel of franka-sim wants an older numpy and MuJoCo than this project, its checker neither.
+robots: $(ROBOTS)/.ready
+	@$(ROBOTS)/bin/python $(PIP) --no-deps franka-sim
+	@$(ROBOTS)/bin/python $(PIP) ros-rclpy ros-trajectory-msgs ros-rmw-fastrtps-cpp
+	$(ROBOTS)/bin/python -m pytest -n 2 tests/system/test_franka_interface.py tests/players
 
 check: $(CHECK)/.ready
 	$(CHECK)/bin/ruff check .
@@ -86,6 +88,7 @@ bench: $(VENV)/.ready
 	$(VENV)/bin/python -m benchmarks.planning.run
 
 $(VENV)/.ready: EXTRAS := test
+$(ROBOTS)/.ready: EXTRAS := test
 $(CHECK)/.ready: EXTRAS := test,dev
 $(DOCS)/.ready: EXTRAS := test,docs
 
@@ -101,6 +104,6 @@ $(DOCS)/.ready: EXTRAS := test,docs
 clean:
 	rm -rf docs/_build docs/_generated docs/gallery/[0-9]* docs/notebooks/pictures
 	find docs/notebooks -name '*.md' ! -name index.md -delete
-	rm -rf $(VENV) $(CHECK) $(DOCS) $(WHEEL) build dist out src/nospill.egg-info
+	rm -rf $(VENV) $(CHECK) $(DOCS) $(ROBOTS) $(WHEEL) build dist out src/nospill.egg-info
 	rm -rf .pytest_cache .ruff_cache .hypothesis .import_linter_cache
 	find src tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import importlib.util
-import time
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 import pytest
 
 import nospill as ns
+from tests.waiting import wait_until
 
 rclpy = pytest.importorskip("rclpy", reason="rclpy is not installed: pip install ros-rclpy ros-trajectory-msgs")
 SCRIPT = Path(__file__).parents[2] / "examples" / "players" / "judge_and_retime_node.py"
@@ -76,13 +76,14 @@ def test_what_is_published_is_certified(node: Any, scene: ns.Scene, duration: fl
         executor = rclpy.executors.SingleThreadedExecutor()
         executor.add_node(judge)
         executor.add_node(other)
-        ends = time.monotonic() + 120.0
-        while not (publisher.get_subscription_count() and judge.out.get_subscription_count()):
-            executor.spin_once(timeout_sec=0.1)
-            assert time.monotonic() < ends, "the topics were not found"
+
+        def spin(pause: float) -> None:
+            executor.spin_once(timeout_sec=pause)
+
+        counts = (publisher.get_subscription_count, judge.out.get_subscription_count)
+        wait_until(lambda: all(count() for count in counts), "the topics are connected", pause=spin)
         publisher.publish(sent)
-        while not received and time.monotonic() < ends:
-            executor.spin_once(timeout_sec=0.1)
+        wait_until(lambda: received, "a trajectory is published", pause=spin)
     finally:
         rclpy.shutdown()
     (message,) = received

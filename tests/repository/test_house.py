@@ -83,7 +83,7 @@ def test_continuous_integration_runs_the_two_commands_of_the_readme_first() -> N
     text = script.read_text()
     assert os.access(script, os.X_OK)
     assert "set -euo pipefail" in text
-    assert goals(text) == ["demo", "test", "robots", "check", "docs", "build"]
+    assert goals(text) == ["demo", "test", "check", "docs", "robots", "build"]
     # Before anything else is installed into any environment, and the tests' closing lines end the log.
     assert text.index("make test") < text.index("make .venv-check")
     assert text.splitlines()[-1].startswith("tail ") and text.splitlines()[-1].endswith("out/test.log")
@@ -97,9 +97,9 @@ def test_the_visible_workflow_calls_the_same_targets() -> None:
 def test_tests_linter_and_documentation_have_environments_of_their_own() -> None:
     text = (ROOT / "Makefile").read_text()
     rules = dict(re.findall(r"^\$\(([A-Z]+)\)/\.ready: EXTRAS := (\S+)$", text, re.MULTILINE))
-    assert rules == {"VENV": "test", "CHECK": "test,dev", "DOCS": "test,docs"}
-    places = dict(re.findall(r"^(VENV|CHECK|DOCS) := (\S+)$", text, re.MULTILINE))
-    assert len(set(places.values())) == 3 and places["VENV"] == ".venv"
+    assert rules == {"VENV": "test", "ROBOTS": "test", "CHECK": "test,dev", "DOCS": "test,docs"}
+    places = dict(re.findall(r"^(VENV|CHECK|DOCS|ROBOTS) := (\S+)$", text, re.MULTILINE))
+    assert len(set(places.values())) == 4 and places["VENV"] == ".venv"
 
 
 @pytest.mark.parametrize("path", PAGES, ids=label)
