@@ -8,6 +8,7 @@ decays. The least of their maximum over T is the height; at T = 0 it is the sum 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -66,15 +67,24 @@ def residual_height(
     one, none = np.ones_like(frequency), np.zeros_like(frequency)
     of_displacement = free_states(frequency, damping, one, none, often)[0]
     of_velocity = free_states(frequency, damping, none, one, often)[0]
-    between = q[:, None] * of_displacement + qd[:, None] * of_velocity
-    heights = free_heights(item, numbers, between.reshape(-1, len(frequency))).reshape(len(seldom), _EVERY)
+
+    def later(gains: np.ndarray) -> np.ndarray:
+        """Sums (r, m) of displacements with gains (r, k), at all instants one after the other."""
+        return np.array([((row * q) @ of_displacement.T + (row * qd) @ of_velocity.T).ravel() for row in gains])
+
+    heights = _crests(item, numbers, later).reshape(len(seldom), _EVERY)
     highest = np.maximum.accumulate(np.concatenate([heights[:1, 0], heights[:-1].max(axis=1)]))
     return float(np.min(np.maximum(highest, bound)))
 
 
 def free_heights(item: ObjectStructure, numbers: ObjectNumbers, displacement: np.ndarray) -> np.ndarray:
     """Crest round the wall (m,) m of a liquid at rest and level, from its slosh coordinates (m, k)."""
-    gains, yaw = np.zeros((2, displacement.shape[1])), np.zeros((WALL_POINTS, displacement.shape[1]))
+    return _crests(item, numbers, lambda gains: gains @ displacement.T)
+
+
+def _crests(item: ObjectStructure, numbers: ObjectNumbers, summed: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """`free_heights`, from what sums the coordinates with gains (r, k) at every instant, (r, m)."""
+    gains, yaw = np.zeros((2, item.coordinates)), np.zeros((WALL_POINTS, item.coordinates))
     column = 0
     for mode, axes in zip(numbers.oscillators, item.oscillators, strict=True):
         for axis in axes:
@@ -83,9 +93,9 @@ def free_heights(item: ObjectStructure, numbers: ObjectNumbers, displacement: np
             else:
                 gains[axis, column] = mode.surface_gain
             column += 1
-    vectors = item.footprint.crest_vectors(gains @ displacement.T)
+    vectors = item.footprint.crest_vectors(summed(gains))
     highest = np.max([np.linalg.norm(np.atleast_2d(vector), axis=0) for vector in vectors], axis=0)
-    return highest + np.max(np.abs(yaw @ displacement.T), axis=0)
+    return highest + np.max(np.abs(summed(yaw)), axis=0) if yaw.any() else highest
 
 
 @lru_cache(maxsize=16)
