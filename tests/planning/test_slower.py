@@ -100,5 +100,7 @@ def test_distances_of_two_ways_are_told(plan: Plan) -> None:
 def test_a_way_on_which_nothing_holds_is_refused_with_the_limit(plan: Plan, monkeypatch) -> None:
     monkeypatch.setattr("nospill.planning.slower._TRIES", 12)
     strict = replace(plan, scene=plan.scene.changed({"cargo.*.max_slosh_height": 2e-4}))
-    with pytest.raises(NoSolutionError, match=r"no motion of 50 to 35 % of its speed holds; .* slosh height of c1"):
+    with pytest.raises(
+        NoSolutionError, match=r"no motion of 50 to 35 % of its speed was found that holds; .* slosh height of c1"
+    ):
         slower(strict, 0.5)

@@ -80,7 +80,7 @@ def slower(planned: Plan, speed: float) -> Plan:
 
     Raises:
         ScenarioError: the plan was saved with a limit that is not at hand.
-        NoSolutionError: no time law on this way holds; says which limit is nearest to holding.
+        NoSolutionError: no time law was found that holds on this way; says which limit is nearest to holding.
     """
     require_constraints(planned.scene)
     began, nearest = time.perf_counter(), None
@@ -103,7 +103,8 @@ def slower(planned: Plan, speed: float) -> Plan:
     least = 100 * SPEEDS[-1] * speed
     nearest_text = "" if nearest is None else f"; in the motion that comes nearest {describe(nearest)}"
     raise NoSolutionError(
-        f"on the way of this plan no motion of {100 * speed:.3g} to {least:.3g} % of its speed holds{nearest_text}"
+        f"on the way of this plan no motion of {100 * speed:.3g} to {least:.3g} % of its speed was found that holds"
+        f"{nearest_text}"
     )
 
 
