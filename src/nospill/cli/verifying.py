@@ -29,9 +29,15 @@ def verify(
     angle: Annotated[
         str, typer.Option("--angle", metavar="ANGLE", help="Rotation or tilt from which on an object has moved.")
     ] = "0.5 deg",
+    water: Annotated[
+        bool, typer.Option("--water", help="Follow the liquids by their nonlinear flow instead; no MuJoCo is needed.")
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON and nothing else.")] = False,
     save: Annotated[
-        bool, typer.Option("--save", help="Write the report beside the folder, as DIR.verify.json.")
+        bool,
+        typer.Option(
+            "--save", help="Write the report beside the folder, as DIR.verify.json, or DIR.water.json and .png."
+        ),
     ] = False,
     video: Annotated[
         Path | None,
@@ -45,8 +51,18 @@ def verify(
 ) -> int:
     """Simulate a plan's objects and liquids in MuJoCo, driven by the joint file; exit code 1 if one moves.
 
-    Where the scenario has obstacles, also if arm, tray or cargo touches one.
+    Where the scenario has obstacles, also if arm, tray or cargo touches one. With --water: exit code 1 if a liquid
+    does not keep its limits.
     """
+    if water:
+        from nospill.cli.water import follow_water, print_water
+        from nospill.errors import ScenarioError
+
+        if video is not None:
+            raise ScenarioError("--video films the simulated objects; leave out --water or --video")
+        with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
+            found, written = follow_water(folder, save=save, progress=progress)
+        return print_water(found, written, as_json=as_json)
     with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
         from nospill.core.files import atomic_text
         from nospill.core.units import quantity

@@ -25,7 +25,9 @@ FINE, COARSE = 5.3, 4.3
 """Largest wave number of the nonlinear flow over that of the slowest mode: 9.8 and 7.9 over the radius of a cup.
 
 Waves of a few millimetres' length are not steep ones that follow from the long ones, and their amplitudes per pressure
-grow as exp(k eta): with 12/R a free wave of R/3 breaks up in the flow's numbers before it does in water (docs)."""
+grow as exp(k eta): with 12/R a free wave of R/3 breaks up in the flow's numbers before it does in water. The second
+order takes the coarse set: of it the shortest waves of a fine one are the larger part where accelerations jump, of the
+full flow they are not."""
 
 LINEAR_MODES = 12
 """Modes in each direction of the linear flow; what is left follows the apparent gravity at once."""

@@ -111,13 +111,12 @@ def crests_along(cargo: Cargo, rows: BodyRows, start: float, end: float, *, afte
         _driven(cargo, basin, rows, t) for basin in (linear_basin(cargo), basin_of(cargo), basin_of(cargo, COARSE))
     )
     linear = wide.wall(_linear(wide)) + wide.follows(rows(t))
-    states = _two_orders(fine)
-    second = linear + fine.wall(states[:, 1])
-    fast = linear - fine.wall(states[:, 0])  # of modes that the full flow does not carry
+    orders = _two_orders(coarse)
+    second = linear + coarse.wall(orders[:, 1])
     full, fewer = _full(fine), _full(coarse)
     highest = [np.max(item, axis=1) for item in (linear, second)]
-    for driven, course in ((fine, full), (coarse, fewer)):
-        wall = driven.wall(course)
+    for driven, course, first in ((fine, full, _linear(fine)), (coarse, fewer, orders[:, 0])):
+        wall, fast = driven.wall(course), linear - driven.wall(first)  # fast: modes that the full flow does not carry
         highest.append(np.max(wall + fast[: len(wall)], axis=1))
     return Crests(t, end, *highest, steepness=_steepness(fine, full)[: len(highest[2])])
 
