@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nospill.potential_flow.basin import Basin
-from nospill.potential_flow.integration import STEP_ANGLE, runge_kutta
-from nospill.potential_flow.nonlinear import full_flow
-from nospill.potential_flow.orders import LinearTerms, first_order, linear_terms, second_order
+from nospill.potential_flow.integration import STEP_ANGLE
+from nospill.potential_flow.orders import LinearTerms, linear_terms
+from nospill.potential_flow.solving import two_orders, whole_flow
 from nospill.scene.cargo import Cargo
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.simulation.cup_file import cup_from_table
@@ -61,12 +61,8 @@ def free_wave(
     rows = np.tile(STILL[:, None], (1, 2 * int(np.ceil(duration / length)) + 1))
     added = np.zeros_like(start) if addition is None else addition
     zero = np.zeros_like(start)
-
-    def both(state: np.ndarray, row: np.ndarray) -> np.ndarray:
-        return np.stack([first_order(terms, state[0], row), second_order(terms, state[0], state[1], row)])
-
-    full = runge_kutta(lambda state, row: full_flow(terms, state, row), np.stack([start + added, zero]), rows, length)
-    orders = runge_kutta(both, np.array([[start, zero], [added, zero]]), rows, length)
+    full = whole_flow(terms, np.stack([start + added, zero]), rows, length)
+    orders = two_orders(terms, np.stack([start, zero]), rows, length, addition=np.stack([added, zero]))
     return FreeWave(basin, length * np.arange(len(full)), full, orders[: len(full), 0], orders[: len(full), 1])
 
 

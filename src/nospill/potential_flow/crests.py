@@ -9,9 +9,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from nospill.potential_flow.basin import COARSE, Basin, basin_of, linear_basin
-from nospill.potential_flow.integration import STEP_ANGLE, rows_at, runge_kutta
-from nospill.potential_flow.nonlinear import full_flow
-from nospill.potential_flow.orders import LinearTerms, first_order, linear_terms, second_order
+from nospill.potential_flow.integration import STEP_ANGLE, rows_at
+from nospill.potential_flow.orders import LinearTerms, first_order, linear_terms
+from nospill.potential_flow.solving import linear_flow, two_orders, whole_flow
 from nospill.scene.cargo import Cargo
 from nospill.scene.swing import coordinates
 
@@ -22,8 +22,6 @@ TRUSTED = 0.05
 STEEPEST = 1.0
 """Largest slope at which the flow is trusted: the highest standing wave ends in a crest of 90 deg [Penney and Price
 1952, found by Taylor 1953]; what is steeper in the flow's numbers breaks in water."""
-_HIGHEST = 1.84
-"""Heights over 1/k of the slowest mode, a cup's radius, from which on a state is none of a flow any more."""
 
 _SPLINED = 4
 """States that a cubic spline needs."""
@@ -110,12 +108,12 @@ def crests_along(cargo: Cargo, rows: BodyRows, start: float, end: float, *, afte
     wide, fine, coarse = (
         _driven(cargo, basin, rows, t) for basin in (linear_basin(cargo), basin_of(cargo), basin_of(cargo, COARSE))
     )
-    linear = wide.wall(_linear(wide)) + wide.follows(rows(t))
-    orders = _two_orders(coarse)
+    linear = wide.wall(wide.first()) + wide.follows(rows(t))
+    orders = two_orders(coarse.terms, coarse.begin, coarse.rows, coarse.step)
     second = linear + coarse.wall(orders[:, 1])
-    full, fewer = _full(fine), _full(coarse)
+    full, fewer = (whole_flow(item.terms, item.begin, item.rows, item.step) for item in (fine, coarse))
     highest = [np.max(item, axis=1) for item in (linear, second)]
-    for driven, course, first in ((fine, full, _linear(fine)), (coarse, fewer, orders[:, 0])):
+    for driven, course, first in ((fine, full, fine.first()), (coarse, fewer, orders[:, 0])):
         wall, fast = driven.wall(course), linear - driven.wall(first)  # fast: modes that the full flow does not carry
         highest.append(np.max(wall + fast[: len(wall)], axis=1))
     return Crests(t, end, *highest, steepness=_steepness(fine, full)[: len(highest[2])])
@@ -130,6 +128,10 @@ class _Driven:
     rows: np.ndarray
     step: float
     t: np.ndarray
+
+    def first(self) -> np.ndarray:
+        """States (m, 2, J) of the first order."""
+        return linear_flow(self.terms, self.begin, self.rows, self.step)
 
     def wall(self, states: np.ndarray) -> np.ndarray:
         """Heights (n, V) at the wall of states (m, 2, J), at the output times that these reach."""
@@ -157,35 +159,6 @@ def _driven(cargo: Cargo, basin: Basin, rows: BodyRows, t: np.ndarray) -> _Drive
     along = rows_at(rows(t[0] + step / 2 * np.arange(2 * count + 1)), np.array([0.0, 0.0, basin.depth]))
     terms = linear_terms(basin)
     return _Driven(terms, _start(cargo, terms, along[:, 0]), along, step, t)
-
-
-def _linear(driven: _Driven) -> np.ndarray:
-    terms = driven.terms
-    return runge_kutta(lambda state, row: first_order(terms, state, row), driven.begin, driven.rows, driven.step)
-
-
-def _two_orders(driven: _Driven) -> np.ndarray:
-    """States (m, 2, 2, J) of the first and of the second order."""
-    terms = driven.terms
-
-    def both(state: np.ndarray, row: np.ndarray) -> np.ndarray:
-        return np.stack([first_order(terms, state[0], row), second_order(terms, state[0], state[1], row)])
-
-    begin = np.stack([driven.begin, np.zeros_like(driven.begin)])
-    return runge_kutta(both, begin, driven.rows, driven.step)
-
-
-def _full(driven: _Driven) -> np.ndarray:
-    """States (m, 2, J) of the full flow as far as it goes."""
-    terms, modes = driven.terms, driven.terms.basin.modes
-    highest = min(terms.basin.depth, _HIGHEST / float(np.min(modes.wave_number)))
-
-    def holds(state: np.ndarray) -> bool:
-        return bool(np.all(np.isfinite(state)) and np.max(np.abs(modes.shape @ state[0])) < highest)
-
-    return runge_kutta(
-        lambda state, row: full_flow(terms, state, row), driven.begin, driven.rows, driven.step, holds=holds
-    )
 
 
 def _steepness(driven: _Driven, states: np.ndarray) -> np.ndarray:

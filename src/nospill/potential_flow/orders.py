@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.potential_flow.basin import Basin
-from nospill.potential_flow.turning import Tilting, tilting
+from nospill.potential_flow.turning import TiltFields, Tilting, tilting
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +43,8 @@ class LinearTerms:
         lean: (J, 2) pressure over density per rate of the lean, m^2.
         slip: (J, 2) pressure over density per lean and turn, m^2.
         turn: (J,) pressure over density per angular acceleration about the axis, m^2.
+        level: fields at the rest level of a lean of 1 rad/s along x and of one along y, which come next to last.
+        shear: (P, J) growth upwards of the flow past the container that a turn and a mode's potential share, 1/m.
         friction: (J,) as of the basin.
         stiffness: (J,) likewise.
     """
@@ -55,6 +57,8 @@ class LinearTerms:
     lean: np.ndarray
     slip: np.ndarray
     turn: np.ndarray
+    level: TiltFields
+    shear: np.ndarray
     friction: np.ndarray
     stiffness: np.ndarray
 
@@ -73,6 +77,13 @@ def linear_terms(basin: Basin) -> LinearTerms:
         lean=modes.coefficients(np.stack([fields.potential for fields in along], axis=1)),
         slip=modes.coefficients(np.stack(slip, axis=1)),
         turn=modes.coefficients(modes.turn_potential),
+        level=TiltFields(
+            potential=np.stack([fields.potential for fields in along]),
+            rise=np.stack([fields.rise for fields in along]),
+            velocity=np.stack([fields.velocity for fields in along], axis=1),
+            growth=np.stack([fields.growth for fields in along], axis=1),
+        ),
+        shear=np.einsum("xpj,xp->pj", modes.slope, modes.turn),
         friction=basin.friction,
         stiffness=basin.stiffness,
     )
@@ -84,61 +95,65 @@ def lean_of(rates: np.ndarray) -> np.ndarray:
 
 
 def first_order(terms: LinearTerms, state: np.ndarray, row: np.ndarray) -> np.ndarray:
-    """Rates (2, J) of surface and potential (2, J), m/s and m^2/s^2.
+    """Rates (..., 2, J) of surface and potential, m/s and m^2/s^2.
 
     Args:
         terms: of the basin.
-        state: (2, J) beta, m, and p, m^2/s.
-        row: (9,) angular velocity, angular acceleration, specific force in the middle of the rest surface.
+        state: (..., 2, J) beta, m, and p, m^2/s.
+        row: (9, ...) angular velocity, angular acceleration, specific force in the middle of the rest surface.
     """
-    surface, potential = state
-    spin, lean, force = row[2], lean_of(row[:3]), row[6:]
-    rate = terms.stiffness * potential + terms.rise @ lean
-    pressure = force[2] * surface + terms.place @ force[:2] + terms.lean @ lean_of(row[3:6]) + terms.turn * row[5]
-    if spin:
-        rate = rate - spin * (terms.spin @ surface)
-        pressure = pressure + spin * (terms.spin @ potential + terms.slip @ lean)
-    return np.stack([rate, -pressure - terms.friction * rate])
+    surface, potential = state[..., 0, :], state[..., 1, :]
+    lean, force = lean_of(row[:3]), row[6:]
+    rate = terms.stiffness * potential + (terms.rise @ lean).T
+    pressure = force[2][..., None] * surface + (terms.place @ force[:2] + terms.lean @ lean_of(row[3:6])).T
+    pressure = pressure + np.multiply.outer(row[5], terms.turn)
+    if np.any(row[2]):
+        spin = row[2][..., None]
+        rate = rate - spin * (surface @ terms.spin.T)
+        pressure = pressure + spin * (potential @ terms.spin.T + (terms.slip @ lean).T)
+    return np.stack([rate, -pressure - terms.friction * rate], axis=-2)
 
 
-def second_order(terms: LinearTerms, first: np.ndarray, state: np.ndarray, row: np.ndarray) -> np.ndarray:
+def second_order(terms: LinearTerms, state: np.ndarray, source: np.ndarray, row: np.ndarray) -> np.ndarray:
     """Rates (2, J) of the second order's part of surface and potential.
 
     Args:
         terms: of the basin.
-        first: (2, J) state of the first order.
-        state: (2, J) state of the second.
-        row: as for `first_order`.
+        state: (2, J) of the second order.
+        source: (2, J) of `second_order_sources` at this instant.
+        row: (9,) as for `first_order`.
     """
-    modes, stiffness = terms.basin.modes, terms.stiffness
-    surface, potential = first
-    spin, lean = row[2], lean_of(row[:3])
-    change = first_order(terms, first, row)[1]
-    eta, steep = modes.shape @ surface, modes.slope @ surface
-    along = modes.slope @ potential
-    up, bend = modes.shape @ (stiffness * potential), modes.shape @ (modes.wave_number**2 * potential)
-    rising = modes.shape @ (stiffness * change)
-    velocity, growth = np.stack([*along, up]), np.zeros((3, len(eta)))
-    if lean.any() or row[3:5].any():
-        fields = terms.tilting.at(lean, 0.0)
-        velocity, growth = velocity + fields.velocity, fields.growth
-        rising = rising + terms.tilting.at(lean_of(row[3:6]), 0.0).rise
-    source = eta * (bend + growth[2]) - np.einsum("xp,xp->p", steep, velocity[:2])
-    pressure = eta * rising + np.einsum("xp,xp->p", velocity, velocity) / 2 - _still(terms, row)
-    if spin:
-        sheared = np.einsum("xpj,xp->pj", modes.slope, modes.turn) @ (stiffness * potential)
-        sheared = sheared + np.einsum("xp,xp->p", modes.turn, growth[:2])
-        pressure = pressure + spin * eta * (sheared + modes.points @ row[:2])
-    rate = stiffness * state[1] + modes.coefficients(source)
-    push = row[8] * state[0] + modes.coefficients(pressure)
-    if spin:
-        rate = rate - spin * (terms.spin @ state[0])
-        push = push + spin * (terms.spin @ state[1])
+    rate = terms.stiffness * state[1] + source[0]
+    push = row[8] * state[0] + source[1]
+    if row[2]:
+        rate = rate - row[2] * (terms.spin @ state[0])
+        push = push + row[2] * (terms.spin @ state[1])
     return np.stack([rate, -push - terms.friction * rate])
 
 
-def _still(terms: LinearTerms, row: np.ndarray) -> np.ndarray:
-    """(|omega x r|^2 - |W_turn|^2)/2 at the rest level, (P,)."""
-    modes, (x, y) = terms.basin.modes, terms.basin.modes.points.T
-    turned = x**2 + y**2 - np.einsum("xp,xp->p", modes.turn, modes.turn)
-    return (row[2] ** 2 * turned + (row[0] * y - row[1] * x) ** 2) / 2
+def second_order_sources(terms: LinearTerms, first: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """What the first order drives the second with, (m, 2, J): rates of the surface, and pressures over density.
+
+    Args:
+        terms: of the basin.
+        first: (m, 2, J) states of the first order.
+        rows: (9, m) as for `first_order`.
+    """
+    modes, still, stiffness = terms.basin.modes, terms.level, terms.stiffness
+    surface, potential = first[:, 0], first[:, 1]
+    spin, lean, lean_rate = rows[2][:, None], lean_of(rows[:3]).T, lean_of(rows[3:6]).T
+    change = first_order(terms, first, rows)[:, 1]
+    eta, steep = surface @ modes.shape.T, [surface @ slope.T for slope in modes.slope]
+    velocity = [potential @ slope.T + lean @ past for slope, past in zip(modes.slope, still.velocity, strict=False)]
+    velocity.append((stiffness * potential) @ modes.shape.T + lean @ still.velocity[2])
+    bend = (modes.wave_number**2 * potential) @ modes.shape.T + lean @ still.growth[2]
+    rising = (stiffness * change) @ modes.shape.T + lean_rate @ still.rise
+    sheared = (stiffness * potential) @ terms.shear.T + lean @ np.einsum("xp,xlp->lp", modes.turn, still.growth[:2])
+    rising = rising + spin * (sheared + rows[:2].T @ modes.points.T)
+    source = eta * bend - steep[0] * velocity[0] - steep[1] * velocity[1]
+    x, y = modes.points.T
+    turned = (x**2 + y**2 - np.einsum("xp,xp->p", modes.turn, modes.turn)) * spin**2
+    turned = turned + (np.outer(rows[0], y) - np.outer(rows[1], x)) ** 2
+    pressure = eta * rising + (velocity[0] ** 2 + velocity[1] ** 2 + velocity[2] ** 2 - turned) / 2
+    weighted = modes.shape * modes.weight[:, None] / modes.norm
+    return np.stack([source @ weighted, pressure @ weighted], axis=1)

@@ -1,0 +1,65 @@
+"""The flow along a motion: of first order, of both orders, and in full.
+
+Rows are (9, 2 m + 1) at the ends and middles of m steps, about the middle of the rest surface.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nospill.core.hermite import cubic_hermite
+from nospill.potential_flow.integration import runge_kutta
+from nospill.potential_flow.nonlinear import full_flow
+from nospill.potential_flow.orders import LinearTerms, first_order, second_order, second_order_sources
+
+_HIGHEST = 1.84
+"""Heights over 1/k of the slowest mode, a cup's radius, from which on a state is none of a flow any more."""
+
+
+def linear_flow(terms: LinearTerms, start: np.ndarray, rows: np.ndarray, step: float) -> np.ndarray:
+    """States (m + 1, 2, J) of the first order from its state (2, J) at the start, steps of `step` s."""
+    return runge_kutta(lambda state, row: first_order(terms, state, row), start, rows, step)
+
+
+def two_orders(
+    terms: LinearTerms, start: np.ndarray, rows: np.ndarray, step: float, *, addition: np.ndarray | None = None
+) -> np.ndarray:
+    """States (m + 1, 2, 2, J) of the first and of the second order.
+
+    Args:
+        terms: of the basin.
+        start: (2, J) state of the first order.
+        rows: of the motion.
+        step: s.
+        addition: (2, J) state of the second order at the start; none by default.
+    """
+    first = linear_flow(terms, start, rows, step)
+    sources = second_order_sources(terms, _with_middles(terms, first, rows, step), rows)
+    count = sources.shape[2]
+    along = np.concatenate([rows, sources.reshape(len(sources), -1).T])  # the sources go along with the motion
+
+    def rate(state: np.ndarray, row: np.ndarray) -> np.ndarray:
+        return second_order(terms, state, row[9:].reshape(2, count), row[:9])
+
+    begin = np.zeros_like(start) if addition is None else addition
+    return np.stack([first, runge_kutta(rate, begin, along, step)], axis=1)
+
+
+def _with_middles(terms: LinearTerms, states: np.ndarray, rows: np.ndarray, step: float) -> np.ndarray:
+    """States (m + 1, 2, J) of the first order at the ends of steps and in their middles, by cubics: (2 m + 1, 2, J)."""
+    rates = first_order(terms, states, rows[:, ::2])
+    dense = np.empty((2 * len(states) - 1, *states.shape[1:]))
+    dense[::2] = states
+    dense[1::2] = cubic_hermite(0.5, step, np.stack([states[:-1], states[1:]]), np.stack([rates[:-1], rates[1:]]))
+    return dense
+
+
+def whole_flow(terms: LinearTerms, start: np.ndarray, rows: np.ndarray, step: float) -> np.ndarray:
+    """States (n, 2, J) of the full flow, n <= m + 1: as far as it goes."""
+    modes = terms.basin.modes
+    highest = min(terms.basin.depth, _HIGHEST / float(np.min(modes.wave_number)))
+
+    def holds(state: np.ndarray) -> bool:
+        return bool(np.all(np.isfinite(state)) and np.max(np.abs(modes.shape @ state[0])) < highest)
+
+    return runge_kutta(lambda state, row: full_flow(terms, state, row), start, rows, step, holds=holds)
