@@ -71,7 +71,7 @@ class Basin:
 def unsupported(cargo: Cargo) -> str | None:
     """Why the flow of an object cannot be computed, as the end of a sentence; None where it can."""
     if cargo.carrier:
-        return "it is a carrier of several vials"
+        return f"it stands in {cargo.carrier}, and vials of a carrier are not followed"
     if not isinstance(cargo.container, Cylinder | Box):
         return "the flow is known in upright cylinders and boxes only"
     filling = cargo.filling

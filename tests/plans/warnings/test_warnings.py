@@ -91,6 +91,26 @@ def test_a_crest_above_a_third_of_the_radius(found, judgement: Judgement, crest:
 
 
 @pytest.mark.parametrize(
+    ("certified", "limit", "warned"),
+    [(0.0118, "2 mm", True), (0.0118, "15 mm", False), (0.0057, "2 mm", False)],
+    ids=["over", "within", "low crests are left alone"],
+)
+def test_a_crest_of_second_order_over_its_limit(
+    found, judgement: Judgement, certified: float, limit: str, warned: bool
+) -> None:
+    rows = tuple(
+        replace(row, worst_value=certified) if (row.constraint, row.subject) == ("slosh height", "cup") else row
+        for row in judgement.certificate.rows
+    )
+    warnings = found({"cargo.0.max_slosh_height": limit}, certificate=replace(judgement.certificate, rows=rows))
+    warning = warnings.get(("second order", "cup"))
+    assert (warning is not None) == warned
+    if warning is not None:
+        assert warning.value is not None and warning.value > 1.03 * 2e-3 and warning.limit == 2e-3
+        assert "over the limit" in warning.text and "verify DIR --water" in warning.text
+
+
+@pytest.mark.parametrize(
     ("changes", "left"), [({"max_slosh_height": "45 mm"}, None), ({"max_slosh_height": 0.0455}, 4.6e-3)]
 )
 def test_a_limit_too_near_the_rim(found, changes: dict[str, Any], left: float | None) -> None:

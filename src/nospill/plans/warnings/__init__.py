@@ -34,6 +34,7 @@ from nospill.plans.warnings.liquids import (
 from nospill.plans.warnings.objects import empty_tray, hardly_meant
 from nospill.plans.warnings.record import Facts, PlanWarning, Warn
 from nospill.plans.warnings.reserves import back_off, no_reserve
+from nospill.plans.warnings.second_order import second_order
 from nospill.plans.warnings.smoothness import smoothness
 from nospill.scene.scene import Scene
 
@@ -41,6 +42,7 @@ WARNINGS: tuple[Warn, ...] = (
     fallback,
     doubts,
     crest,
+    second_order,
     sloping_wall,
     distance_to_the_rim,
     surface_tension,

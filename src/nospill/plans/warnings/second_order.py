@@ -1,0 +1,84 @@
+"""Warning about what the second order adds to the height of a liquid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from nospill.certification.replay import Replay
+from nospill.certification.verdict import Row
+from nospill.core.units import format_quantity
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.plans.warnings.record import Facts, PlanWarning
+from nospill.potential_flow import BodyRows, rows_at, second_order_along, unsupported
+from nospill.scene.cargo import Cargo, Filling
+from nospill.scene.scene import Scene
+
+FIRST_ORDER_CREST = 1.0 / 6.0
+"""Part of the radius, or of half the side of a box, up to which what the second order adds is not looked at."""
+
+CREST_ERROR, RESIDUAL_ERROR = 0.03, 0.1
+"""Of the heights of second order, relative: what is over a limit by less is not warned of."""
+
+MOST = 4
+"""Liquids that are followed, a quarter of a second each."""
+
+AFTER = 1.0
+"""s after the end in which the liquid is followed."""
+
+
+def second_order(facts: Facts) -> Iterator[PlanWarning]:
+    """The crests of second order are over a limit that the linear ones keep; of many liquids the highest are asked."""
+    rows = {(row.constraint, row.subject): row for row in facts.judgement.certificate.rows}
+    for cargo, filling in _highest(facts, rows):
+        replay = facts.judgement.replay
+        motion = _rows(replay, facts.scene, cargo)
+        found = second_order_along(cargo, motion, float(replay.t[0]), float(replay.t[-1]), after=AFTER)
+        (highest, at), limit, left = found.highest, filling.max_slosh_height, found.after_end
+        after = rows.get((ResidualHeight.name, cargo.name))
+        allowed = np.inf if after is None else abs(after.limit)
+        if highest > (1 + CREST_ERROR) * limit or left > (1 + RESIDUAL_ERROR) * allowed:
+            parts = [f"the crest of second order is {_mm(highest)} at {at:.2f} s", *_over(highest, limit)]
+            if left > (1 + RESIDUAL_ERROR) * allowed:
+                parts.append(f"after the end it is {_mm(left)} where {_mm(allowed)} are allowed")
+            advice = f"plan with {_mm(limit**2 / highest)} to keep to {_mm(limit)}; " if highest > limit else ""
+            text = f"{', '.join(parts)}; {advice}nospill verify DIR --water follows the whole flow."
+            yield PlanWarning("second order", cargo.name, text, highest, limit)
+
+
+def _highest(facts: Facts, rows: Mapping[tuple[str, str], Row]) -> list[tuple[Cargo, Filling]]:
+    """Liquids that rise above `FIRST_ORDER_CREST`, at most `MOST` of them, in the order of the scene."""
+    found = []
+    for index, cargo in enumerate(facts.scene.cargo):
+        judged, filling = rows.get((SloshHeight.name, cargo.name)), cargo.filling
+        if judged is None or filling is None or unsupported(cargo) is not None:
+            continue
+        side = float(np.min(cargo.container.section(filling.liquid_height).half_lengths))
+        if judged.worst_value > FIRST_ORDER_CREST * side:
+            found.append((judged.worst_value / side, index, cargo, filling))
+    kept = sorted(found, key=lambda item: item[:2])[-MOST:]
+    return [item[2:] for item in sorted(kept, key=lambda item: item[1])]
+
+
+def _over(highest: float, limit: float) -> list[str]:
+    return [f"{_mm(highest - limit)} over the limit"] if highest > limit else []
+
+
+def _mm(length: float) -> str:
+    return format_quantity(length, "length", digits=3)
+
+
+def _rows(replay: Replay, scene: Scene, cargo: Cargo) -> BodyRows:
+    """Motion of a container as it was judged, the tray at rest afterwards."""
+    up = replay.tray.rotation[-1].T @ np.array([0.0, 0.0, scene.gravity])
+    rest = np.concatenate([np.zeros(6), up])
+    place = np.array([*cargo.position, 0.0])
+
+    def rows(t: np.ndarray) -> np.ndarray:
+        body = np.stack([np.interp(t, replay.t, row) for row in replay.body])
+        body[:, t > replay.t[-1]] = rest[:, None]
+        return rows_at(body, place, cargo.yaw)
+
+    return rows
