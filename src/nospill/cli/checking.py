@@ -56,14 +56,13 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
     from nospill.certification.wording import finding
     from nospill.export.plan_files import compare_plan_files
     from nospill.plans.approach import judge_whole
-    from nospill.plans.warnings import plan_warnings
-    from nospill.plans.warnings.speeds import other_speeds
+    from nospill.plans.warnings import plan_warnings, slower_warnings
 
     judgement = judge_whole(saved)
     certificate = judgement.certificate
     print_certificate(certificate, saved.scene, everything=everything)
     certified = saved.scene.motion.speed_range if certificate.ok else None
-    slower = other_speeds(uses_at(saved.trajectory, saved.scene), certified)
+    slower = slower_warnings(saved.scene, judgement, uses_at(saved.trajectory, saved.scene), certified)
     print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff, saved.report.fallbacks), *slower])
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():

@@ -28,9 +28,8 @@ from nospill.plans.folder import write_folder
 from nospill.plans.names import APPROACH_FILE
 from nospill.plans.records import MotionMaxima, PlanningReport, Starts, motion_maxima
 from nospill.plans.settling import settling_time
-from nospill.plans.warnings import plan_warnings
+from nospill.plans.warnings import plan_warnings, slower_warnings
 from nospill.plans.warnings.record import PlanWarning
-from nospill.plans.warnings.speeds import other_speeds
 from nospill.robots.kinematics.forward import ToolMotions
 from nospill.scene.limits import LimitRecord
 from nospill.scene.scene import Scene
@@ -199,7 +198,7 @@ class Plan:
         if self.maxima.other_speeds is not None:
             return found
         uses = uses_at(self.trajectory, self.scene)
-        warnings = (*self.warnings, *other_speeds(uses, found.certified_speeds))
+        warnings = (*self.warnings, *slower_warnings(self.scene, self.evidence, uses, found.certified_speeds))
         return replace(found, maxima=replace(self.maxima, other_speeds=uses), warnings=warnings)
 
     def save(

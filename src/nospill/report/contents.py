@@ -15,9 +15,8 @@ from nospill.execution.executed import Executed
 from nospill.motion.trajectory import trajectory_text
 from nospill.plans.approach import judged
 from nospill.plans.plan import Plan
-from nospill.plans.warnings import plan_warnings
+from nospill.plans.warnings import plan_warnings, slower_warnings
 from nospill.plans.warnings.record import warning_rows
-from nospill.plans.warnings.speeds import other_speeds
 from nospill.plots.evidence import Evidence, evidence_of
 from nospill.plots.text_pages import TextTable
 from nospill.plots.tiles import Tile, liquid_tiles, tiles
@@ -158,7 +157,8 @@ def certificate_table(certificate: Certificate, *, everything: bool) -> TextTabl
 def _warnings(evidence: Evidence) -> TextTable:
     plan = evidence.plan
     found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff, plan.report.fallbacks)
-    found = (*found, *other_speeds(evidence.other_speeds[:-1], evidence.plan.certified_speeds))
+    speeds = evidence.other_speeds[:-1], plan.certified_speeds
+    found = (*found, *slower_warnings(plan.scene, evidence.judgement, *speeds))
     rows = tuple(warning_rows(found))
     return TextTable(
         "Warnings", ("what", "of", "why"), rows or (("none", "", ""),), note="They leave the verdict as it is."

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from nospill.certification.certificate import Judgement
+from nospill.certification.other_speeds import SpeedUse
 from nospill.plans.warnings.arm import (
     below_the_base,
     doubts,
@@ -36,13 +37,13 @@ from nospill.plans.warnings.record import Facts, PlanWarning, Warn
 from nospill.plans.warnings.reserves import back_off, no_reserve
 from nospill.plans.warnings.second_order import second_order
 from nospill.plans.warnings.smoothness import smoothness
+from nospill.plans.warnings.speeds import other_speeds
 from nospill.scene.scene import Scene
 
 WARNINGS: tuple[Warn, ...] = (
     fallback,
     doubts,
     crest,
-    second_order,
     sloping_wall,
     distance_to_the_rim,
     surface_tension,
@@ -66,7 +67,7 @@ WARNINGS: tuple[Warn, ...] = (
     back_off,
     smoothness,
 )
-"""Every warning, in the order in which they are shown."""
+"""Every warning that costs nothing beside a plan, in the order in which they are shown; `slower_warnings` follow."""
 
 
 def plan_warnings(
@@ -82,3 +83,17 @@ def plan_warnings(
     """
     facts = Facts(scene, judgement, backoff, fallbacks)
     return tuple(warning for warn in WARNINGS for warning in warn(facts))
+
+
+def slower_warnings(
+    scene: Scene, judgement: Judgement, uses: Sequence[SpeedUse], speed_range: tuple[float, float] | None
+) -> tuple[PlanWarning, ...]:
+    """Warnings that take longer than a warm plan: for a motion that is saved, printed or reported.
+
+    Args:
+        scene: the task.
+        judgement: of the motion, with its replay.
+        uses: of the limits at lower speeds.
+        speed_range: where a certificate holds, None without one.
+    """
+    return (*second_order(Facts(scene, judgement, {})), *other_speeds(uses, speed_range))

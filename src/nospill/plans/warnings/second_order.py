@@ -22,8 +22,8 @@ FIRST_ORDER_CREST = 1.0 / 6.0
 CREST_ERROR, RESIDUAL_ERROR = 0.03, 0.1
 """Of the heights of second order, relative: what is over a limit by less is not warned of."""
 
-MOST = 4
-"""Liquids that are followed, a quarter of a second each."""
+MOST = 1
+"""Liquids that are followed, those with the highest crests for their size; each takes a quarter of a second."""
 
 AFTER = 1.0
 """s after the end in which the liquid is followed."""
