@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,7 @@ import numpy as np
 import pytest
 
 from nospill.errors import ScenarioError
-from nospill.execution.bag_logs import JOINT_STATE, read_bag
+from nospill.execution.bag_logs import CONTROLLER_STATE, JOINT_STATE, read_bag
 from nospill.execution.log import log_of_joints
 
 rosbags = pytest.importorskip("rosbags", reason="rosbags is not installed")
@@ -50,6 +52,54 @@ def test_joint_states_by_their_headers_time(tmp_path: Path, ros1: bool) -> None:
 def test_joints_of_another_robot_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"no message has the 2 joints elbow, wrist; found: joint_a, joint_b"):
         read_bag(write(tmp_path / "run", ros1=False), ("elbow", "wrist"))
+
+
+STATE = """std_msgs/Header header
+string[] joint_names
+trajectory_msgs/JointTrajectoryPoint desired
+trajectory_msgs/JointTrajectoryPoint actual
+trajectory_msgs/JointTrajectoryPoint error
+"""
+"""Of control_msgs; ROS 2 Humble's recorder writes messages without it."""
+
+
+def write_as_humble(place: Path, *, joint_states: bool) -> Path:
+    """A bag of SQLite without definitions, with states of a controller and perhaps joint states."""
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    store.register(get_types_from_msg(STATE, CONTROLLER_STATE))
+    types: Any = store.types
+    point = types["trajectory_msgs/msg/JointTrajectoryPoint"]
+    with Writer(place, version=8, storage_plugin=StoragePlugin.SQLITE3) as bag:
+        states = bag.add_connection("/controller/state", CONTROLLER_STATE, typestore=store)
+        joints = bag.add_connection("/joint_states", JOINT_STATE, typestore=store) if joint_states else None
+        for index, row in enumerate(POSITION):
+            stamp = types["builtin_interfaces/msg/Time"](sec=5, nanosec=index * 2_000_000)
+            header = types["std_msgs/msg/Header"](stamp=stamp, frame_id="")
+            none = np.zeros(0)
+            at = point(row, none, none, none, types["builtin_interfaces/msg/Duration"](sec=0, nanosec=0))
+            state = types[CONTROLLER_STATE](header, NAMES, at, at, at)
+            bag.write(states, index * 2_000_000, store.serialize_cdr(state, CONTROLLER_STATE))
+            if joints is not None:
+                own = types[JOINT_STATE](header, NAMES, row, none, none)
+                bag.write(joints, index * 2_000_000, store.serialize_cdr(own, JOINT_STATE))
+    with closing(sqlite3.connect(next(place.glob("*.db3")))) as file, file:
+        file.execute("DELETE FROM message_definitions")
+    return place
+
+
+def test_a_type_that_the_bag_does_not_define_is_passed_over(tmp_path: Path) -> None:
+    raw = read_bag(write_as_humble(tmp_path / "run", joint_states=True), ("joint_a", "joint_b"))
+    found = log_of_joints(raw, ("joint_a", "joint_b"))
+    assert found.position == pytest.approx(POSITION[:, ::-1])
+    assert "topic /joint_states" in raw.said and "/controller/state not read, the bag does not define" in raw.said
+
+
+def test_a_bag_of_undefined_types_alone_is_refused_by_that(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioError, match=r"run: /controller/state cannot be read, since the bag has no definition"):
+        read_bag(write_as_humble(tmp_path / "run", joint_states=False), ("joint_a", "joint_b"))
 
 
 def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:

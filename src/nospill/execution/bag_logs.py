@@ -6,7 +6,7 @@ The library rosbags reads them without a ROS installation; it comes with the ext
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -48,9 +48,13 @@ def read_bag(path: Path, joints: Sequence[str], topic: str | None = None) -> Raw
         ) from error
     by_topic: dict[str, list[tuple[int, Any]]] = {}
     kinds: dict[str, str] = {}
+    undefined: set[str] = set()
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
-            usable = [c for c in bag.connections if c.msgtype in (CONTROLLER_STATE, JOINT_STATE)]
+            stated = [c for c in bag.connections if c.msgtype in (CONTROLLER_STATE, JOINT_STATE)]
+            # up to ROS 2 Humble bags bring no definitions of their types, and those of controllers are not ROS's own
+            usable = [c for c in stated if c.msgtype in bag.typestore.fielddefs]
+            undefined = {c.topic for c in stated if c not in usable}
             for connection, stamp, data in bag.messages(connections=usable) if usable else ():
                 kinds[connection.topic] = connection.msgtype
                 message = bag.deserialize(data, connection.msgtype)
@@ -58,6 +62,11 @@ def read_bag(path: Path, joints: Sequence[str], topic: str | None = None) -> Raw
     except Exception as error:  # the library lets whatever a damaged file provokes through
         reason = " ".join(str(error).split()) or type(error).__name__
         raise ScenarioError(f"{path}: damaged, or not a ROS bag ({reason[:120]})") from error
+    if not by_topic and undefined:
+        raise ScenarioError(
+            f"{path}: {listed(sorted(undefined), last='and')} cannot be read, since the bag has no definition of "
+            f"{CONTROLLER_STATE}; record {JOINT_STATE} too, or convert the bag to MCAP where that package is installed"
+        )
     if not by_topic:
         raise ScenarioError(f"{path}: holds no message {JOINT_STATE} or {CONTROLLER_STATE}")
     if topic is not None and topic not in by_topic:
@@ -69,7 +78,8 @@ def read_bag(path: Path, joints: Sequence[str], topic: str | None = None) -> Raw
         named = sorted({name for rows in by_topic.values() for _, message in rows for name in _row(message)})
         shown = ", ".join(named)[:160] or "none"
         raise ScenarioError(f"{path}: no message has the {len(joints)} joints {', '.join(joints)}; found: {shown}")
-    return _raw(path, best, found[best], len(by_topic[best]), [name for name in candidates if found[name]])
+    others = [name for name in candidates if found[name] and name != best]
+    return _raw(path, best, found[best], len(by_topic[best]), others, undefined)
 
 
 def _with_joints(messages: Sequence[tuple[int, Any]], joints: Sequence[str]) -> list[tuple[int, Any, dict[str, float]]]:
@@ -84,7 +94,12 @@ def _with_joints(messages: Sequence[tuple[int, Any]], joints: Sequence[str]) -> 
 
 
 def _raw(
-    path: Path, topic: str, rows: Sequence[tuple[int, Any, dict[str, float]]], count: int, others: Sequence[str]
+    path: Path,
+    topic: str,
+    rows: Sequence[tuple[int, Any, dict[str, float]]],
+    count: int,
+    others: Sequence[str],
+    undefined: Collection[str],
 ) -> RawLog:
     t = np.array([_stamp(message, recorded) for recorded, message, _ in rows])
     order = np.argsort(t, kind="stable")
@@ -94,8 +109,10 @@ def _raw(
     said = [f"topic {topic}, time from {'headers' if headers else 'the recorder'}"]
     if count > len(rows):
         said.append(f"{count - len(rows):,} messages without these joints left out")
-    if len(others) > 1:
-        said.append(f"{listed([name for name in others if name != topic], last='and')} not read (--topic)")
+    if others:
+        said.append(f"{listed(others, last='and')} not read (--topic)")
+    if undefined:
+        said.append(f"{listed(sorted(undefined), last='and')} not read, the bag does not define its type")
     t = t[order] - t[order[0]]
     infinite = {name: np.where(np.isfinite(values), values, np.nan) for name, values in columns.items()}
     return RawLog(str(path), infinite, {name: "rad" for name in infinite}, t, ", ".join(said))
