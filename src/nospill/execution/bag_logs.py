@@ -110,7 +110,7 @@ def _raw(
     if count > len(rows):
         said.append(f"{count - len(rows):,} messages without these joints left out")
     if others:
-        said.append(f"{listed(others, last='and')} not read (--topic)")
+        said.append(f"{listed(tuple(others), last='and')} not read (--topic)")
     if undefined:
         said.append(f"{listed(sorted(undefined), last='and')} not read, the bag does not define its type")
     t = t[order] - t[order[0]]
