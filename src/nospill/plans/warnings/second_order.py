@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +13,11 @@ from nospill.core.units import format_quantity
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.warnings.record import Facts, PlanWarning
-from nospill.potential_flow import BodyRows, rows_at, second_order_along, unsupported
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.scene import Scene
+
+if TYPE_CHECKING:  # it loads scipy, which a plan does without
+    from nospill.potential_flow import BodyRows
 
 FIRST_ORDER_CREST = 1.0 / 6.0
 """Part of the radius, or of half the side of a box, up to which what the second order adds is not looked at."""
@@ -33,6 +36,8 @@ def second_order(facts: Facts) -> Iterator[PlanWarning]:
     """The crests of second order are over a limit that the linear ones keep; of many liquids the highest are asked."""
     rows = {(row.constraint, row.subject): row for row in facts.judgement.certificate.rows}
     for cargo, filling in _highest(facts, rows):
+        from nospill.potential_flow import second_order_along
+
         replay = facts.judgement.replay
         motion = _rows(replay, facts.scene, cargo)
         found = second_order_along(cargo, motion, float(replay.t[0]), float(replay.t[-1]), after=AFTER)
@@ -53,13 +58,19 @@ def _highest(facts: Facts, rows: Mapping[tuple[str, str], Row]) -> list[tuple[Ca
     found = []
     for index, cargo in enumerate(facts.scene.cargo):
         judged, filling = rows.get((SloshHeight.name, cargo.name)), cargo.filling
-        if judged is None or filling is None or unsupported(cargo) is not None:
+        if judged is None or filling is None:
             continue
         side = float(np.min(cargo.container.section(filling.liquid_height).half_lengths))
-        if judged.worst_value > FIRST_ORDER_CREST * side:
+        if judged.worst_value > FIRST_ORDER_CREST * side and _is_covered(cargo):
             found.append((judged.worst_value / side, index, cargo, filling))
     kept = sorted(found, key=lambda item: item[:2])[-MOST:]
     return [item[2:] for item in sorted(kept, key=lambda item: item[1])]
+
+
+def _is_covered(cargo: Cargo) -> bool:
+    from nospill.potential_flow import unsupported
+
+    return unsupported(cargo) is None
 
 
 def _over(highest: float, limit: float) -> list[str]:
@@ -74,6 +85,8 @@ def _rows(replay: Replay, scene: Scene, cargo: Cargo) -> BodyRows:
     """Motion of a container as it was judged, the tray at rest afterwards."""
     up = replay.tray.rotation[-1].T @ np.array([0.0, 0.0, scene.gravity])
     rest = np.concatenate([np.zeros(6), up])
+    from nospill.potential_flow import rows_at
+
     place = np.array([*cargo.position, 0.0])
 
     def rows(t: np.ndarray) -> np.ndarray:
