@@ -98,7 +98,7 @@ def test_tests_linter_and_documentation_have_environments_of_their_own() -> None
     text = (ROOT / "Makefile").read_text()
     rules = dict(re.findall(r"^\$\(([A-Z]+)\)/\.ready: EXTRAS := (\S+)$", text, re.MULTILINE))
     assert rules == {"VENV": "test", "ROBOTS": "test", "CHECK": "test,dev", "DOCS": "test,docs"}
-    places = dict(re.findall(r"^(VENV|CHECK|DOCS|ROBOTS) := (\S+)$", text, re.MULTILINE))
+    places = dict(re.findall(r"^(VENV|CHECK|DOCS|ROBOTS) [:?]= (\S+)$", text, re.MULTILINE))
     assert len(set(places.values())) == 4 and places["VENV"] == ".venv"
 
 
