@@ -10,6 +10,7 @@ import pytest
 import nospill as ns
 from nospill.export import EXPORTERS
 from nospill.motion.resampling import resampled
+from tests.own_limits import Sideways
 
 
 @pytest.fixture(scope="module")
@@ -81,3 +82,13 @@ def test_what_is_no_motion_is_refused_by_what_it_is(plan: ns.Plan) -> None:
         assert "\n" not in str(error.value)
     with pytest.raises(ns.ScenarioError, match="judge takes a Scene"):
         ns.judge(good, "matrix-liquid")  # pyright: ignore[reportArgumentType]
+
+
+def test_limits_of_ones_own_are_judged_and_have_histories(plan: ns.Plan) -> None:
+    own = Sideways(0.1)
+    judged = ns.judge(plan.trajectory, plan.scene, constraints=[own])
+    rows = [row for row in judged.certificate.rows if row.constraint == own.name]
+    assert rows
+    for row in rows:
+        history = judged.plan.history(row.constraint, row.subject)
+        assert np.max(history.use) == pytest.approx(row.use, abs=1e-9)

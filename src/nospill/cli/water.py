@@ -66,7 +66,10 @@ def _print_table(report: WaterReport, written: list[Path]) -> None:
         failing={index for index, cup in enumerate(report.cups) if not cup.ok},
     )
     print()
-    print_lines(f"joints from {report.source}; heights in mm, after: what is left after the end")
+    print_lines(
+        f"joints from {report.source}; heights in mm, after: what is left after the end; numbers of the objects as "
+        "stated, at the planned speed: tolerances and speed_range are not followed"
+    )
     for path in written:
         print(f"written to {path}")
     print_verdict(verdict, report.ok)

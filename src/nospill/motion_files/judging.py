@@ -145,8 +145,8 @@ def judge(
     require_level(file.samples.position[0], scene, file.origin)
     even = sampled(joints, 0.0, float(file.samples.t[-1]), scene.output_rate)
     record = Trajectory.of_joints(even.t, scene.robot.joints, even.position, even.speed, even.acceleration)
-    judgement = judge_command(record, constrained(scene, constraints), motion=joints, rate=rate)
-    return JudgedMotion(file, played, judgement, scene)
+    limited = constrained(scene, constraints)
+    return JudgedMotion(file, played, judge_command(record, limited, motion=joints, rate=rate), limited)
 
 
 def _read(motion: object, scene: Scene, unit: str, rows_per_second: float | None) -> MotionFile:

@@ -10,12 +10,11 @@ from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.redundancy import redundant_joint
+from nospill.scenario.place_entry import MOST_LEAN
 from nospill.scene.scene import Scene
 
 _POINTS = 61
 """Of the way, at even parameters of the path of the joints."""
-_LEVEL = np.radians(0.5).item()
-"""rad; a tray that leans more on the given path is not where the level way has it."""
 
 
 def free_path_table(scene: Scene, corridor: float | str) -> dict[str, Any]:
@@ -37,7 +36,7 @@ def free_path_table(scene: Scene, corridor: float | str) -> dict[str, Any]:
     position, rotation = kinematics(robot).poses(q, tool=scene.tray.tool)
     lean = np.arccos(np.clip(rotation[:, 2, 2], -1.0, 1.0))
     worst = int(np.argmax(lean))
-    if lean[worst] > _LEVEL:
+    if lean[worst] > MOST_LEAN:  # as at the ends: what leans more is not where the level way has it
         shown = format_quantity(float(lean[worst]), "angle", digits=3)
         raise ScenarioError(
             f"path: the tray leans {shown} at s = {worst / (_POINTS - 1):.2f} of the given joints; a free path is "

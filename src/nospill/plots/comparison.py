@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -36,12 +37,20 @@ def save_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> Non
     Raises:
         ScenarioError: another ending. PlanFolderError: the file cannot be written.
     """
+    save_figure(lambda: comparison_figure(comparison), path, dpi=200)
+
+
+def save_figure(draw: Callable[[], Figure], path: str | os.PathLike[str], *, dpi: int = 150) -> None:
+    """Draw a figure and write it; the format follows the ending.
+
+    Raises:
+        ScenarioError: another ending. PlanFolderError: the file cannot be written.
+    """
     place = require_figure_name(path)
     look: Any = LOOK  # the stubs ask for literal key names
     with mpl.rc_context(look):
-        figure = comparison_figure(comparison)
         try:
-            figure.savefig(place, dpi=200, format=place.suffix.lower()[1:])
+            draw().savefig(place, dpi=dpi, format=place.suffix.lower()[1:])
         except OSError as error:
             raise PlanFolderError(f"cannot write {place}: {error.strerror or error}; name another place") from error
 

@@ -12,9 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nospill.errors import PlanFolderError
 from nospill.execution.executed import Executed
 from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.plots.comparison import save_figure
 from nospill.plots.style import BLACK, BLUE, LOOK, ORANGE, SMALL, WIDTH, draw_limit, plain
 
 _PANEL, _HEAD = 1.35, 0.8
@@ -31,12 +31,7 @@ def save_executed(run: Executed, place: Path) -> None:
     Raises:
         PlanFolderError: the file cannot be written.
     """
-    look: Any = LOOK  # the stubs ask for literal key names
-    with mpl.rc_context(look):
-        try:
-            executed_figure(run).savefig(place, dpi=200)
-        except OSError as error:
-            raise PlanFolderError(f"cannot write {place}: {error.strerror or error}; name another place") from error
+    save_figure(lambda: executed_figure(run), place, dpi=200)
 
 
 def executed_svg(found: Executed) -> str:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nospill.errors import PlanFolderError
-from nospill.plots.comparison import require_figure_name
-from nospill.plots.style import BLACK, BLUE, LOOK, SMALL, plain
+from nospill.plots.comparison import save_figure
+from nospill.plots.style import BLACK, BLUE, SMALL, plain
 from nospill.simulation.runs import RunComparison
 
 _COLUMNS = 3
@@ -27,13 +24,7 @@ def save_runs(runs: Sequence[RunComparison], path: str | os.PathLike[str]) -> No
     Raises:
         ScenarioError: another ending. PlanFolderError: the file cannot be written.
     """
-    place = require_figure_name(path)
-    look: Any = LOOK  # the stubs ask for literal key names
-    with mpl.rc_context(look):
-        try:
-            runs_figure(runs).savefig(place, dpi=150, format=place.suffix.lower()[1:])
-        except OSError as error:
-            raise PlanFolderError(f"cannot write {place}: {error.strerror or error}; name another place") from error
+    save_figure(lambda: runs_figure(runs), path)
 
 
 def runs_figure(runs: Sequence[RunComparison]) -> Figure:

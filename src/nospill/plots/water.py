@@ -5,14 +5,12 @@ from __future__ import annotations
 import os
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nospill.errors import PlanFolderError
-from nospill.plots.comparison import require_figure_name
-from nospill.plots.style import BLUE, LOOK, SMALL, draw_end, draw_limit, limit_key, plain, series_look
+from nospill.plots.comparison import save_figure
+from nospill.plots.style import BLUE, SMALL, draw_end, draw_limit, limit_key, plain, series_look
 from nospill.verify.water import CupReport, WaterReport
 
 _COLUMNS = 2
@@ -28,13 +26,7 @@ def save_water(report: WaterReport, path: str | os.PathLike[str]) -> None:
     Raises:
         ScenarioError: another ending. PlanFolderError: the file cannot be written.
     """
-    place = require_figure_name(path)
-    look: Any = LOOK  # the stubs ask for literal key names
-    with mpl.rc_context(look):
-        try:
-            water_figure(report).savefig(place, dpi=150, format=place.suffix.lower()[1:])
-        except OSError as error:
-            raise PlanFolderError(f"cannot write {place}: {error.strerror or error}; name another place") from error
+    save_figure(lambda: water_figure(report), path)
 
 
 def water_figure(report: WaterReport) -> Figure:

@@ -11,18 +11,13 @@ from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.plan import Plan
+from nospill.plans.warnings.second_order import AFTER, CREST_ERROR, RESIDUAL_ERROR
 from nospill.potential_flow import BodyRows, Crests, crests_along, rows_at, unsupported
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.verify.report import Peak
 from nospill.verify.tray_motion import PlayedJoints, planned_joints
-
-AFTER = 1.0
-"""s at rest after the motion, in which the liquid goes on swinging."""
-CREST_ERROR, RESIDUAL_ERROR = 0.03, 0.1
-"""Of the flow's crests and of what is left after the end, relative: what is over a limit by less is not called over it
-(docs, where it holds)."""
 
 
 @dataclass(frozen=True, slots=True)

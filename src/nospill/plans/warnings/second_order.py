@@ -23,13 +23,14 @@ FIRST_ORDER_CREST = 1.0 / 6.0
 """Part of the radius, or of half the side of a box, up to which what the second order adds is not looked at."""
 
 CREST_ERROR, RESIDUAL_ERROR = 0.03, 0.1
-"""Of the heights of second order, relative: what is over a limit by less is not warned of."""
+"""Of the flow's crests and of what is left after the end, relative: what is over a limit by less is not called over it
+(docs/slosh-model.md)."""
 
 MOST = 1
 """Liquids that are followed, those with the highest crests for their size; each takes a quarter of a second."""
 
 AFTER = 1.0
-"""s after the end in which the liquid is followed."""
+"""s at rest after the motion in which the liquid is followed."""
 
 
 def second_order(facts: Facts) -> Iterator[PlanWarning]:
