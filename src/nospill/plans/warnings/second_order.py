@@ -49,8 +49,10 @@ def second_order(facts: Facts) -> Iterator[PlanWarning]:
             parts = [f"the crest of second order is {_mm(highest)} at {at:.2f} s", *_over(highest, limit)]
             if left > (1 + RESIDUAL_ERROR) * allowed:
                 parts.append(f"after the end it is {_mm(left)} where {_mm(allowed)} are allowed")
-            advice = f"plan with {_mm(limit**2 / highest)} to keep to {_mm(limit)}; " if highest > limit else ""
-            text = f"{', '.join(parts)}; {advice}nospill verify DIR --water follows the whole flow."
+            text = (
+                f"{', '.join(parts)}; plan with a smaller max_slosh_height, and see by nospill verify DIR --water whether "
+                "it is small enough."
+            )
             yield PlanWarning("second order", cargo.name, text, highest, limit)
 
 
