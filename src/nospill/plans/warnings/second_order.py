@@ -50,8 +50,8 @@ def second_order(facts: Facts) -> Iterator[PlanWarning]:
             if left > (1 + RESIDUAL_ERROR) * allowed:
                 parts.append(f"after the end it is {_mm(left)} where {_mm(allowed)} are allowed")
             text = (
-                f"{', '.join(parts)}; plan with a smaller max_slosh_height, and see by nospill verify DIR --water whether "
-                "it is small enough."
+                f"{', '.join(parts)}; plan with a smaller max_slosh_height, and see by nospill verify DIR --water "
+                "whether it is small enough."
             )
             yield PlanWarning("second order", cargo.name, text, highest, limit)
 
