@@ -74,6 +74,8 @@ def test_a_flow_that_breaks_down_is_no_verdict(report: WaterReport) -> None:
     assert not broken.ok
     assert "break down at 0.20 s" in broken.message and "no verdict" in broken.message
     assert broken.to_dict()["liquids"][0]["residual_full_mm"] is None
+    assert broken.verdict == "the flow is in doubt: no verdict" and report.verdict == "the water keeps its limits"
+    assert _changed(cup, limit=0.5 * cup.full.value).verdict == "the water does not keep every limit"
 
 
 def test_records_are_json(report: WaterReport) -> None:

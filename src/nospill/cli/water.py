@@ -47,9 +47,7 @@ def print_water(report: WaterReport, written: list[Path], *, as_json: bool) -> i
 
 
 def _print_table(report: WaterReport, written: list[Path]) -> None:
-    verdict = "the water keeps its limits" if report.ok else "the water does not keep every limit"
-    verdict = verdict if report.cups else "no liquid was followed"
-    print_verdict(verdict, report.ok)
+    print_verdict(report.verdict, report.ok)
     print()
     names = ("liquid", "limit mm", "certified", "second order", "full", "at s")
     left = ("after: limit", "linear", "second", "full after")
@@ -72,4 +70,4 @@ def _print_table(report: WaterReport, written: list[Path]) -> None:
     )
     for path in written:
         print(f"written to {path}")
-    print_verdict(verdict, report.ok)
+    print_verdict(report.verdict, report.ok)

@@ -111,6 +111,15 @@ class WaterReport:
         return all(item.ok for item in self.cups)
 
     @property
+    def verdict(self) -> str:
+        """In a few words."""
+        if not self.cups:
+            return "no liquid was followed"
+        if any(item.over for item in self.cups):
+            return "the water does not keep every limit"
+        return "the water keeps its limits" if self.ok else "the flow is in doubt: no verdict"
+
+    @property
     def message(self) -> str:
         """One sentence for every liquid that does not keep its limits or cannot be followed."""
         lines = [item.sentence for item in self.cups if not item.ok]
