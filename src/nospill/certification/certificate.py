@@ -215,8 +215,8 @@ def judge_command(
 ) -> Judgement:
     """`judge_joints` of what the joints make of a command that nobody has compensated.
 
-    With a controller in the scene they follow it late, as its delay and lag say, and the command itself has rows of
-    position and speed; without one they do what they are asked for.
+    With a controller in the scene they follow it late, as its delay and lag say, and the command itself has rows of its
+    own (`command_traces`); without one they do what they are asked for.
 
     Args:
         trajectory: the command as samples, from rest to rest.
