@@ -34,6 +34,7 @@ from nospill.transcription.clearance_block import (
 )
 from nospill.transcription.clearance_planes import NEAR, NO_PLANES, Planes, separating
 from nospill.transcription.problem import Problem, build_problem
+from nospill.transcription.solvers import Solution
 
 pytestmark = pytest.mark.usefixtures("in_virtual_machine")
 
@@ -50,6 +51,26 @@ def scene(base: BasePose = WORLD) -> Scene:
 
 def pairs_of(subject: str, base: BasePose = WORLD) -> list[Pair]:
     return [pair for pair in scene_pairs(scene(base)) if pair.subject == subject]
+
+
+def solution_of(problem: Problem, multipliers: np.ndarray, bound_multipliers: np.ndarray) -> Solution:
+    variables = np.zeros(len(problem.lower))
+    return Solution(
+        stages=problem.decode(variables),
+        variables=variables,
+        multipliers=multipliers,
+        bound_multipliers=bound_multipliers,
+        objective=1.0,
+        violation=0.0,
+        slack={},
+        converged=True,
+        status="",
+        iterations=1,
+        solve_time_s=0.0,
+        linear_solver="none",
+        plane_variables=len(problem.lower) - problem.transcription.motion_variables,
+        plane_rows=problem.transcription.clearance_rows,
+    )
 
 
 def rows_of(planes: Planes, q: np.ndarray, turned: np.ndarray) -> dict[int, tuple[float, float]]:
@@ -179,6 +200,43 @@ def test_planes_change_no_other_row(degree: int) -> None:
     expected = np.asarray(without.transcription.constraint_function(motion, without.parameters))
     assert with_planes.transcription.clearance_rows > 0
     np.testing.assert_allclose(np.asarray(values)[: len(expected)], expected, atol=1e-12)
+
+
+def test_multipliers_of_the_motion_go_on_between_other_planes() -> None:
+    q = POSE + np.linspace(0.0, 0.3, INTERVALS)[:, None]
+    first, other = (
+        build_problem(
+            scene().with_one_mode(),
+            INTERVALS,
+            nominal_duration=1.0,
+            backoff={},
+            active={RowId(Clearance.name, name) for name in names},
+            planes=found_everywhere([RowId(Clearance.name, name) for name in names], q),
+        )
+        for names in (SUBJECTS, SUBJECTS[:1])
+    )
+    rows, variables = len(first.transcription.lower), len(first.lower)
+    before = solution_of(first, np.arange(1.0, rows + 1), np.arange(1.0, variables + 1))
+    same = before.multipliers_for(first)
+    assert same is not None and same[0] is before.multipliers and same[1] is before.bound_multipliers
+    found = before.multipliers_for(other)
+    assert found is not None
+    for values, earlier, count, planes in (
+        (found[0], before.multipliers, len(other.transcription.lower), other.transcription.clearance_rows),
+        (found[1], before.bound_multipliers, len(other.lower), len(other.lower) - other.transcription.motion_variables),
+    ):
+        assert len(values) == count < len(earlier) and planes > 0
+        np.testing.assert_array_equal(values[: count - planes], earlier[: count - planes])
+        assert not values[count - planes :].any()
+
+
+def test_multipliers_of_another_motion_are_no_start() -> None:
+    problem, other = (
+        build_problem(scene().with_one_mode(), count, nominal_duration=1.0, backoff={}, active=set(), planes=NO_PLANES)
+        for count in (INTERVALS, INTERVALS + 1)
+    )
+    before = solution_of(problem, np.zeros(len(problem.transcription.lower)), np.zeros(len(problem.lower)))
+    assert before.multipliers_for(other) is None
 
 
 def test_each_row_finds_its_own_rows_with_its_back_off() -> None:

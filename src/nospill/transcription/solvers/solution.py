@@ -35,6 +35,8 @@ class Solution:
         solve_time_s: wall clock, s.
         linear_solver: its name; of several, the last and those that failed before it.
         pivot_order: for a solve of the same shape; None where the linear solver has none.
+        plane_variables, plane_rows: how many of the variables and multipliers, the last ones, are of planes between
+            bodies.
     """
 
     stages: Stages
@@ -50,6 +52,24 @@ class Solution:
     solve_time_s: float
     linear_solver: str
     pivot_order: PivotOrder | None = None
+    plane_variables: int = 0
+    plane_rows: int = 0
+
+    def multipliers_for(self, problem: Problem) -> tuple[np.ndarray, np.ndarray] | None:
+        """The multipliers as a start for another problem: of its constraints (m,) and of its bounds (n,).
+
+        Planes that stand between other bodies, or in other intervals, start with zero. None where the motion's own
+        rows or variables are not the same in number.
+        """
+        rows, variables = len(problem.transcription.lower), len(problem.lower)
+        of_planes = problem.transcription.clearance_rows, variables - problem.transcription.motion_variables
+        if (rows, variables) == (len(self.multipliers), len(self.bound_multipliers)):
+            return self.multipliers, self.bound_multipliers
+        own = len(self.multipliers) - self.plane_rows, len(self.bound_multipliers) - self.plane_variables
+        if own != (rows - of_planes[0], variables - of_planes[1]):
+            return None
+        kept = self.multipliers[: own[0]], self.bound_multipliers[: own[1]]
+        return np.append(kept[0], np.zeros(of_planes[0])), np.append(kept[1], np.zeros(of_planes[1]))
 
 
 def usable(solution: Solution) -> bool:

@@ -60,9 +60,10 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         "ubg": transcription.upper,
     }
     order = None
-    if warm is not None and len(warm.multipliers) == len(transcription.lower):
-        arguments |= {"lam_g0": warm.multipliers, "lam_x0": warm.bound_multipliers}
-        order = warm.pivot_order
+    multipliers = None if warm is None else warm.multipliers_for(problem)
+    if warm is not None and multipliers is not None:
+        arguments |= {"lam_g0": multipliers[0], "lam_x0": multipliers[1]}
+        order = warm.pivot_order if multipliers[0] is warm.multipliers else None
     (linear_solver, options_of_it), *others = candidates(problem.scene.planning.linear_solver)
     result, stats, order = _attempt(problem, settings | options_of_it, arguments, options, order)
     for other, options_of_it in others:
@@ -87,6 +88,8 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         solve_time_s=time.perf_counter() - began,
         linear_solver=linear_solver,
         pivot_order=order,
+        plane_variables=len(problem.lower) - transcription.motion_variables,
+        plane_rows=transcription.clearance_rows,
     )
 
 
