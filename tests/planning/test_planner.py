@@ -190,7 +190,8 @@ def test_a_changed_scene_planned_warm_is_what_it_is_planned_cold(
     assert warm.certificate.ok and cold.certificate.ok
     assert warm.duration == pytest.approx(cold.duration, rel=3e-3)
     assert (warm.report.starts.tried, warm.report.starts.converged) == (1, 1)
-    assert "kinematics" not in warm.report.phases
+    assert "kinematics" not in warm.report.phases and warm.report.warm and not warm.report.not_warm
+    assert not cold.report.warm and not cold.report.not_warm
     assert warm.report.iterations < cold.report.iterations
     assert planner.last is warm
 
@@ -234,6 +235,7 @@ def test_a_plan_of_another_structure_is_not_used(example_plan: Example) -> None:
     found = planner.plan(liquid.scene)
     assert found.duration == liquid.duration
     assert found.report.starts.durations == liquid.report.starts.durations and "kinematics" in found.report.phases
+    assert not found.report.warm and found.report.not_warm == "the scene before is of another structure"
 
 
 @pytest.mark.parametrize("name", ["matrix-liquid", "matrix-liquid-tilt"])

@@ -46,6 +46,7 @@ class Log:
         solutions: of all solves.
         rounds: of tightening and constraint generation.
         starts: end time of the answer from each start, s; None where there was none.
+        not_warm: why the motion was not planned from the earlier one that was given; empty where it was, or none was.
     """
 
     progress: OnProgress | None
@@ -55,6 +56,7 @@ class Log:
     solutions: list[Solution] = field(default_factory=list)
     rounds: int = 0
     starts: list[float | None] = field(default_factory=list)
+    not_warm: str = ""
 
     @property
     def time_left(self) -> float:
@@ -102,6 +104,7 @@ class Log:
             phases=self.phases,
             solver_status=last,
             ran_out=self.out_of_time,
+            not_warm=self.not_warm,
             linear_solvers=tuple(solution.linear_solver for solution in self.solutions),
             **found,
         )

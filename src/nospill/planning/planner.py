@@ -37,6 +37,9 @@ from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings
 
+_NOT_CONVERGED = "no solve from the motion before converged"
+_NOT_CERTIFIED = "not certified from the motion before"
+
 
 def plan(
     scene: Scene | ScenarioSource,
@@ -102,6 +105,7 @@ def _plan(
         base_yaw=base_yaw_text(scene) if base_is_free else None,
         blocked_way=blocked_direct_way(open_scene, scene),
         fallbacks=fallbacks(judged.candidate, log, instead),
+        warm=warm is not None and not log.not_warm,
     )
     planned = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)
     answer, limits = judged.candidate, longest_held(planned.maxima.time_at_limit)
@@ -122,17 +126,23 @@ def _offers(
     """
     scene = task.scene
     alike = warm is not None and starts_alike(warm.scene, scene)  # else its branch may be another
-    if warm is not None and alike and (candidate := restart(task, warm, last, log)) is not None:
-        yield candidate
-        if log.out_of_time:
-            return
+    if warm is not None and alike:
+        candidate = restart(task, warm, last, log)
+        if candidate is not None:
+            yield candidate
+            if log.out_of_time:
+                return
+        log.not_warm = _NOT_CONVERGED if candidate is None else _NOT_CERTIFIED
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, task.ignored), log)):
         paths = advised_free_paths(scene, paths_along(scene))
     joint_path = preferred_path(paths, scene.robot, scene.start_near)
-    if warm is not None and not alike and (candidate := restart_on_branch(task, warm, joint_path, log)) is not None:
-        yield candidate
-        if log.out_of_time:
-            return
+    if warm is not None and not alike:
+        candidate = restart_on_branch(task, warm, joint_path, log)
+        if candidate is not None:
+            yield candidate
+            if log.out_of_time:
+                return
+        log.not_warm = _NOT_CONVERGED if candidate is None else _NOT_CERTIFIED
     searches = passage_searches(task, joint_path)
     if scene.motion.leaves_path:
         yield from _off_path(task, joint_path, searches, log)
@@ -226,10 +236,15 @@ class Planner:
         """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
         scene = requested_scene(scene, self.constraints if constraints is None else constraints)
         similar = self.last is not None and _alike(self.last.scene, scene)
-        self.last, self._candidate = _plan(
+        planned, self._candidate = _plan(
             scene, warm=self.last if similar else None, last=self._candidate, ignore=(), progress=progress
         )
-        return self.last
+        if self.last is not None and not similar:
+            planned = replace(
+                planned, report=replace(planned.report, not_warm="the scene before is of another structure")
+            )
+        self.last = planned
+        return planned
 
 
 def _alike(first: Scene, second: Scene) -> bool:

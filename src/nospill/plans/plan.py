@@ -396,6 +396,8 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "branch": _Kept("report", "branch"),
     "base_yaw": _Kept("report", "base_yaw"),
     "blocked_way": _Kept("report", "blocked_way"),
+    "warm": _Kept("report", "warm"),
+    "not_warm": _Kept("report", "not_warm"),
     "approach": _Computed(_approach_summary),
 }
 

@@ -94,6 +94,8 @@ class PlanningReport:
         jerk_weight_factor: factor on the weights of the jerks, above 1 where fast modes of a liquid had to be damped.
         ran_out: whether planning ended because the time planning.max_plan_time was up.
         fallbacks: what was taken in the place of what was asked for, a sentence each.
+        warm: whether it was planned from an earlier plan.
+        not_warm: why not, where an earlier plan was at hand.
     """
 
     plan_time: float
@@ -113,6 +115,8 @@ class PlanningReport:
     jerk_weight_factor: float = 1.0
     ran_out: bool = False
     fallbacks: tuple[str, ...] = ()
+    warm: bool = False
+    not_warm: str = ""
 
     @classmethod
     def empty(cls, solver_status: str = "none") -> PlanningReport:
