@@ -8,6 +8,7 @@ from nospill.certification.histories import History as History
 from nospill.certification.histories import ModalStates as ModalStates
 from nospill.certification.verdict import Certificate as Certificate
 from nospill.errors import Change as Change
+from nospill.errors import ClusterError as ClusterError
 from nospill.errors import MissingExtraError as MissingExtraError
 from nospill.errors import ModelError as ModelError
 from nospill.errors import NoSolutionError as NoSolutionError
@@ -57,6 +58,8 @@ from nospill.scenario.path_entries import PresetPath as PresetPath
 from nospill.scenario.path_entries import WaypointsPath as WaypointsPath
 from nospill.scene.scene import Scene as Scene
 from nospill.simulation.simulate import simulate_slosh as simulate_slosh
+from nospill.sweeps.record import Sweep as Sweep
+from nospill.sweeps.sweeping import sweep as sweep
 
 # the tables of a scenario, as classes to fill
 Approach = _approach.ApproachTable

@@ -117,3 +117,7 @@ class NoSolutionError(NospillError):
 
 class MissingExtraError(NospillError):
     """An optional library is needed for this call; the message says which extra installs it."""
+
+
+class ClusterError(NospillError):
+    """A cluster cannot be used: nobody there, another version, a worker without the package."""

@@ -32,6 +32,7 @@ from nospill.cli.sharing import report
 from nospill.cli.slosh import compare, simulate
 from nospill.cli.slowing import slow
 from nospill.cli.studio import studio
+from nospill.cli.sweeping import sweep
 from nospill.cli.verifying import margins, verify
 from nospill.cli.viewing import view
 
@@ -41,7 +42,7 @@ GROUPS: dict[str, tuple[Callable[..., int], ...]] = {
     "Judge": (judge, check, executed, verify),
     "Hand over": (export,),
     "Laboratory": (identify, design_test, measure, simulate, compare),
-    "Many": (margins, cache),
+    "Many": (sweep, margins, cache),
 }
 """What a user wants -> the commands for it, both in the order of the help text: a new command is a function in a file
 here and an entry in this table."""

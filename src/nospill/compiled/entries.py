@@ -44,6 +44,16 @@ def cache_entries() -> tuple[CacheEntry, ...]:
     return tuple(found)
 
 
+def current_files() -> list[Path]:
+    """Files of the entries that this version of nospill uses, their locks apart."""
+    found = []
+    for library in sorted(_files(".so")):
+        if _is_current(library):
+            files = [library.with_suffix(ending) for ending in (".sum", ".json", ".so")]
+            found += [file for file in files if file.is_file()]
+    return found
+
+
 def compiling() -> int:
     """How many entries are being compiled, by this process or another."""
     return sum(1 for lock in _files(".lock") if _is_held(lock))

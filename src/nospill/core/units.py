@@ -149,6 +149,28 @@ def unit_written(value: object, dimension: str) -> str:
     return unit or next(iter(kind.units))
 
 
+def split_unit(value: object) -> tuple[float, str] | None:
+    """Number and unit as written, without a look at what they measure; None where it is no number with a unit."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value), ""
+    match = _NUMBER_AND_UNIT.fullmatch(value) if isinstance(value, str) else None
+    return None if match is None else (float(match[1]), (match[2] or "").strip().translate(_SPELLINGS))
+
+
+def in_si(value: object) -> float | None:
+    """A quantity of any dimension in SI units; None where it is none."""
+    parts = split_unit(value)
+    if parts is None:
+        return None
+    number, unit = parts
+    if not unit:
+        return number
+    factor = next((kind.units[unit] for kind in DIMENSIONS.values() if unit in kind.units), None)
+    if isinstance(factor, Decimal):
+        return float(Decimal(repr(number)) * factor)
+    return None if factor is None else number * factor
+
+
 def as_written(value: object) -> str:
     """A value as it stands in a TOML file, on one line and shortened, for use in messages."""
     if isinstance(value, dict):

@@ -1,0 +1,154 @@
+"""The process that plans points: reads requests, plans, answers, one line of JSON each.
+
+    python -m nospill.sweeps.planning_process
+
+It ends when its input does. What libraries print goes to the standard error, so that the answers stay whole.
+"""
+
+from __future__ import annotations
+
+import base64
+import copy
+import io
+import json
+import os
+import queue
+import sys
+import tempfile
+import threading
+import time
+import tomllib
+import zipfile
+from pathlib import Path
+from typing import Any
+
+from nospill import __version__
+from nospill.certification.wording import describe
+from nospill.errors import NoSolutionError, NospillError
+from nospill.planning.planner import Planner
+from nospill.plans.plan import Plan
+from nospill.scenario import scene_from_table
+from nospill.scene.scene import Scene
+from nospill.sweeps.points import NO_MOTION, PLANNED, REFUSED, UNCERTIFIED
+
+
+class PointPlanner:
+    """Plans points of one base scenario, from nothing or from the plan of another point."""
+
+    def __init__(self, text: str, name: str) -> None:
+        """Of the text of the base scenario, which needs no other file; raises ScenarioError."""
+        self._base = scene_from_table(tomllib.loads(text), name=name)
+        self._head: tuple[str, Planner | None] = ("", None)
+
+    def line(self, values: dict[str, Any], *, key: str, warm: dict[str, Any] | None, keep: bool) -> dict[str, Any]:
+        """What becomes of a point, as fields of its line.
+
+        Args:
+            values: of the point.
+            key: of the point.
+            warm: key and values of the point to start from; None for none.
+            keep: give the plan folder too, packed, as `folder`.
+        """
+        began = time.perf_counter()
+        found: dict[str, Any] = {"warm_from": ""}
+        try:
+            scene = self._base.changed(values)
+            planner = None if warm is None else self._planner_at(warm["key"], warm["values"])
+            if planner is None:
+                planner = Planner()
+                plan = planner.plan(scene)
+                self._head = (key, planner)
+            else:
+                found["warm_from"] = warm["key"] if warm is not None else ""
+                plan = copy.copy(planner).plan(scene)  # the copy moves on, the one at the head stays there
+            found |= figures_of(plan)
+            if keep:
+                found["folder"] = packed(plan)
+        except NoSolutionError as error:
+            found |= {"kind": NO_MOTION, "reason": one_line(error)}
+        except NospillError as error:
+            found |= {"kind": REFUSED, "reason": one_line(error)}
+        return found | {"plan_s": time.perf_counter() - began, "nospill": __version__}
+
+    def _planner_at(self, key: str, values: dict[str, Any]) -> Planner | None:
+        """The planner that has just planned a point; None where it has no motion."""
+        if self._head[0] != key:
+            planner = Planner()
+            try:
+                planner.plan(self._base.changed(values))
+            except NospillError:
+                self._head = (key, None)
+            else:
+                self._head = (key, planner)
+        return self._head[1]
+
+
+def figures_of(plan: Plan) -> dict[str, Any]:
+    """Fields of a line that a plan answers."""
+    worst, maxima = plan.certificate.worst, plan.maxima
+    figures = {
+        "duration_s": plan.duration,
+        "largest_use": worst.use,
+        "max_tray_acceleration_m_s2": maxima.tray_acceleration,
+        "max_tilt_rad": maxima.tilt,
+        "joint_speed_use": maxima.joint_speed_use,
+        "max_slosh_height_m": max(maxima.slosh_height.values(), default=0.0),
+        "residual_height_m": max(maxima.residual_height.values(), default=0.0),
+    }
+    return {
+        "kind": PLANNED if plan.certificate.ok else UNCERTIFIED,
+        "reason": "" if plan.certificate.ok else describe(worst),
+        "nearest": f"{worst.constraint} of {worst.subject}",
+        "figures": {name: float(value) for name, value in figures.items()},
+    }
+
+
+def packed(plan: Plan) -> str:
+    """The plan folder as a ZIP archive in base 64."""
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place) / "plan"
+        plan.save(folder)
+        content = io.BytesIO()
+        with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+            for file in sorted(folder.rglob("*")):
+                archive.write(file, file.relative_to(folder))
+    return base64.b64encode(content.getvalue()).decode("ascii")
+
+
+def one_line(error: Exception) -> str:
+    """The message of an error on one line."""
+    return " ".join(str(error).split())
+
+
+def scene_of(text: str, name: str, values: dict[str, Any]) -> Scene:
+    """The scene of a point; raises ScenarioError."""
+    return scene_from_table(tomllib.loads(text), name=name).changed(values)
+
+
+def main() -> None:
+    """Answer requests until there are no more."""
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    sys.stdout = sys.stderr
+    requests: queue.Queue[str] = queue.Queue()
+    threading.Thread(target=_read, args=(requests,), daemon=True).start()
+    planner: PointPlanner | None = None
+    while True:
+        request = json.loads(requests.get())
+        if "scenario" in request:
+            planner = PointPlanner(request["scenario"], request["name"])
+            continue
+        assert planner is not None  # the scenario comes first
+        answers.write(json.dumps(planner.line(**request)) + "\n")
+        answers.flush()
+
+
+def _read(requests: queue.Queue[str]) -> None:
+    """Hand requests on; whoever sends them may die, and then nobody waits for an answer."""
+    for line in sys.stdin:
+        requests.put(line)
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()
