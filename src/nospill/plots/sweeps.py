@@ -9,6 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from nospill.errors import PlanFolderError
 from nospill.plots.style import BLUE, GREY, INK, LOOK, RED, SMALL, WIDTH, plain
@@ -178,9 +179,17 @@ def _pareto(picture: SweepPicture) -> Figure:
 
 def _mark_best(axes: Axes, picture: SweepPicture, x: np.ndarray, y: np.ndarray) -> None:
     if picture.best is not None:
-        axes.plot(x[picture.best], y[picture.best], "o", markersize=9, markerfacecolor="none", color=INK)
+        place, halo = (x[picture.best], y[picture.best]), [withStroke(linewidth=3, foreground="white")]  # on dark cells
+        axes.plot(*place, "o", markersize=9, markerfacecolor="none", color=INK, path_effects=halo)
         axes.annotate(
-            "best", (x[picture.best], y[picture.best]), xytext=(6, 6), textcoords="offset points", size=SMALL, color=INK
+            "best",
+            place,
+            xytext=(0, 8),
+            textcoords="offset points",
+            ha="center",
+            size=SMALL,
+            color=INK,
+            path_effects=halo,
         )
 
 

@@ -4,10 +4,12 @@ STYLE = """
 body{font:15px/1.45 system-ui,sans-serif;color:#222;margin:0}main{max-width:1100px;margin:0 auto;padding:1em}
 h1{font-size:1.3em}h2{font-size:1.05em;margin-top:1.6em}.figures{display:flex;flex-wrap:wrap;gap:1em}
 figure{margin:0;flex:1 1 420px;max-width:560px}figure svg{width:100%;height:auto}
-.both{display:flex;flex-wrap:wrap;gap:1em}#plot{flex:2 1 420px;border:1px solid #ddd}#one{flex:1 1 260px}
+.both{display:flex;flex-wrap:wrap;gap:1em}#plot{flex:2 1 420px;align-self:flex-start;border:1px solid #ddd}
+#one{flex:1 1 260px}
 #plot text{font-size:12px;fill:#333}circle{fill:#0072b2;cursor:pointer}circle.lost{fill:#d55e00}
 circle.chosen{stroke:#000;stroke-width:2.5}.wide{overflow-x:auto}table{border-collapse:collapse;font-size:13px}
 th{cursor:pointer;text-align:left;border-bottom:1px solid #999;white-space:nowrap}td,th{padding:.15em .6em}
+td{white-space:nowrap;max-width:32em;overflow:hidden;text-overflow:ellipsis}
 td.number{text-align:right;font-variant-numeric:tabular-nums}tr.lost td{color:#9a4300}tr.chosen td{background:#eef4fa}
 tbody tr{cursor:pointer}code{background:#f3f3f3;padding:.2em .4em;display:block;overflow-x:auto;user-select:all}
 dt{font-weight:600}dd{margin:0 0 .3em}
@@ -100,7 +102,7 @@ function table() {
     row.className = (data.rows[i][kind] !== "planned" ? "lost " : "") + (i === chosen ? "chosen" : "");
     for (const value of data.rows[i]) {
       const cell = document.createElement("td");
-      cell.textContent = shown(value);
+      cell.textContent = cell.title = shown(value);
       if (typeof value === "number") cell.className = "number";
       row.append(cell);
     }
