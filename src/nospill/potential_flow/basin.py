@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
 from nospill.core.arrays import read_only
+from nospill.potential_flow.bessel import slope_root
 from nospill.potential_flow.surface_modes import (
     SurfaceModes,
     disc_modes,
@@ -16,6 +18,7 @@ from nospill.potential_flow.surface_modes import (
     rectangle_waves,
 )
 from nospill.scene.cargo import Cargo, Filling
+from nospill.scene.containers.base import Container
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
@@ -92,12 +95,29 @@ def basin_of(cargo: Cargo, finest: float = FINE) -> Basin:
     """
     filling = _filling(cargo)
     if isinstance(cargo.container, Cylinder):
-        radius = cargo.container.radius
-        modes = disc_modes(radius, disc_waves(finest * disc_modes(radius, [(1, 1)]).wave_number[0] * radius))
+        modes = disc_modes(cargo.container.radius, disc_waves(finest * slope_root(1, 1)))
     else:
         sides = _sides(cargo)
         modes = rectangle_modes(sides, rectangle_waves(sides, finest * math.pi / max(sides) * (1 + 1e-9)))
     return _filled(modes, filling)
+
+
+def driven_basin(cargo: Cargo) -> Basin:
+    """The modes of `COARSE` that move to the second order, and the excited ones that drive them.
+
+    Products of two modes of one nodal diameter have none and two: in a cup the others stay at rest.
+    """
+    return _filled(_driven_modes(cargo.container), _filling(cargo))
+
+
+@lru_cache(maxsize=32)
+def _driven_modes(container: Container) -> SurfaceModes:
+    if isinstance(container, Cylinder):
+        waves = disc_waves(COARSE * slope_root(1, 1))
+        return disc_modes(container.radius, [wave for wave in waves if wave[0] <= 2])
+    assert isinstance(container, Box)  # `unsupported` says so
+    sides = container.length, container.width
+    return rectangle_modes(sides, rectangle_waves(sides, COARSE * math.pi / max(sides) * (1 + 1e-9)))
 
 
 def linear_basin(cargo: Cargo) -> Basin:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from nospill.potential_flow.basin import Basin
 from nospill.potential_flow.integration import STEP_ANGLE, rows_at
@@ -51,6 +50,8 @@ class Course:
         instants = self.instants(states)
         if len(states) < _SPLINED:
             return heights[:1]
+        from scipy.interpolate import CubicSpline  # slow to load
+
         return CubicSpline(instants, heights)(self.t[self.t <= instants[-1]])
 
     def follows(self, body: np.ndarray) -> np.ndarray:

@@ -18,7 +18,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from nospill.potential_flow.basin import Basin
 from nospill.potential_flow.orders import LinearTerms, lean_of
@@ -58,6 +57,8 @@ def fields_of(basin: Basin, state: np.ndarray) -> Fields:
 
 def full_flow(terms: LinearTerms, state: np.ndarray, row: np.ndarray) -> np.ndarray:
     """Rates (2, J) of surface and potential, m/s and m^2/s^2; arguments as of `orders.first_order`."""
+    from scipy.linalg import lu_factor, lu_solve  # slow to load
+
     basin = terms.basin
     modes, flow = basin.modes, fields_of(basin, state)
     weighted = modes.shape * modes.weight[:, None]

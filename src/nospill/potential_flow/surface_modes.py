@@ -12,12 +12,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import jnp_zeros, jv, jvp
 
 from nospill.core.arrays import read_only
+from nospill.potential_flow.bessel import bessel, bessel_slope, slope_root, slope_roots
 
-_MOST_ROOTS = 24
-"""Nodal circles, or waves along a side, that are looked at when modes are counted."""
 _WALL_POINTS = 144
 """Places round the wall of a disc; a crest lies within 1.25 deg of one. A rectangle has a quarter on each side."""
 
@@ -68,8 +66,7 @@ def disc_waves(largest: float) -> list[tuple[int, int]]:
     """Nodal diameters and circles (m, n), n from 1, of the modes with k R up to `largest`."""
     waves: list[tuple[int, int]] = []
     for diameters in range(int(largest) + 1):  # the first root of J_m' is above m
-        count = int(np.sum(jnp_zeros(diameters, _MOST_ROOTS) <= largest))
-        waves += [(diameters, circle) for circle in range(1, count + 1)]
+        waves += [(diameters, circle + 1) for circle in range(len(slope_roots(diameters, largest)))]
     return waves
 
 
@@ -91,9 +88,9 @@ def disc_modes(radius: float, waves: list[tuple[int, int]]) -> SurfaceModes:
     c, s = np.cos(angle), np.sin(angle)
     columns: dict[str, list[np.ndarray]] = {"k": [], "f": [], "x": [], "y": [], "wall": [], "along": []}
     for diameters, circle in waves:
-        root = float(jnp_zeros(diameters, circle)[-1])
-        k, top = root / radius, jv(diameters, root)
-        radial, outward = jv(diameters, k * r) / top, k * jvp(diameters, k * r) / top
+        root = slope_root(diameters, circle)
+        k, top = root / radius, float(bessel(diameters, root))
+        radial, outward = bessel(diameters, k * r) / top, k * bessel_slope(diameters, k * r) / top
         for quarter in (0.0, np.pi / 2)[: 1 if diameters == 0 else 2]:  # cos(m theta - pi/2) is the sine
             phase, wall_phase = diameters * angle - quarter, diameters * around - quarter
             out, across = outward * np.cos(phase), -diameters * radial / r * np.sin(phase)

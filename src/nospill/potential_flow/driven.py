@@ -1,0 +1,162 @@
+"""The second order driven by waves of the first order that are known already, as a judge has them.
+
+`orders.second_order` is linear in its own state, and what drives it follows from the first order alone. So every mode is
+an oscillator of its own, stiffened by the axial force. A step is exact for a constant one; the source enters by the
+trapezoidal rule, which loses (omega h)^2/12 of it. A turn about the axis takes waves with m nodal diameters round as
+exp(-i m theta), so those of a cup are integrated in axes that do not turn. In a box a turn mixes all modes; that part
+is left out of the second order, as the modal model leaves it out of the first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from nospill.potential_flow.basin import Basin, driven_basin
+from nospill.potential_flow.integration import rows_at
+from nospill.potential_flow.orders import LinearTerms, lean_of, linear_terms, second_order_sources
+from nospill.scene.cargo import Cargo
+from nospill.scene.containers.cylinder import Cylinder
+from nospill.scene.sloshing.modes import Oscillator
+
+_STEP_ANGLE = 0.12
+"""Largest step, rad of the fastest mode: 0.1 % of what drives it is lost."""
+_STANDS_STILL = 1e-9
+"""rad/s; a mode this slow is not told from one without stiffness."""
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """A liquid whose second order is asked for.
+
+    Attributes:
+        terms: of the first and the second order, in the modes that drive and are driven.
+        gains: (J, k) height of every mode per displacement of the modal masses.
+        axes: (J, L) amplitude of every driven oscillator per height of the modes, complex for a pair of cosine and sine.
+        diameters: (L,) nodal diameters of a cup's oscillators; 0 in a box.
+    """
+
+    terms: LinearTerms
+    gains: np.ndarray
+    axes: np.ndarray
+    diameters: np.ndarray
+
+
+def driven(cargo: Cargo) -> Driven:
+    """Set up the second order of a liquid; `unsupported` says whether it may be asked for."""
+    filling = cargo.filling
+    assert filling is not None  # what is asked for is a liquid
+    terms = _terms_like(_Key(cargo))
+    count = len(terms.stiffness)
+    axes, diameters = np.eye(count, dtype=complex), np.zeros(count)
+    if isinstance(cargo.container, Cylinder):
+        turned = np.rint(np.max(np.abs(terms.spin), axis=0))
+        columns = []
+        for mode in np.flatnonzero(turned != 1):
+            partner = int(np.argmax(terms.spin[:, mode]))
+            if turned[mode] == 0 or terms.spin[partner, mode] > 0.5:
+                column = np.zeros(count, complex)
+                column[mode] = 1.0
+                column[partner] += 1j if turned[mode] else 0.0
+                columns.append((column, turned[mode]))
+        axes, diameters = np.stack([item[0] for item in columns], axis=1), np.array([item[1] for item in columns])
+    return Driven(terms, height_gains(filling.oscillators, terms.basin), axes, diameters)
+
+
+class _Key:
+    """A liquid by what its terms follow from."""
+
+    def __init__(self, cargo: Cargo) -> None:
+        filling = cargo.filling
+        assert filling is not None
+        slowest = filling.modes.slowest
+        self.cargo = cargo
+        self.values = (
+            cargo.container,
+            filling.liquid_height,
+            slowest.wave_number,
+            slowest.damping,
+            filling.liquid.kinematic_viscosity,
+        )
+
+    def __hash__(self) -> int:
+        return hash(self.values)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Key) and self.values == other.values
+
+
+@lru_cache(maxsize=64)
+def _terms_like(key: _Key) -> LinearTerms:
+    return linear_terms(driven_basin(key.cargo))
+
+
+def height_gains(oscillators: Sequence[Oscillator], basin: Basin) -> np.ndarray:
+    """Heights (J, k) of a basin's modes per displacement of modal masses; nothing of masses whose mode it has not."""
+    modes, place, columns = basin.modes, basin.place, []
+    for mode in oscillators:
+        near = np.isclose(modes.wave_number, mode.wave_number, rtol=1e-6)
+        for direction in mode.directions:
+            share = np.ones(len(near)) if mode.yaws else np.abs(place[:, "xy".index(direction)])
+            column = np.zeros(len(near))
+            if np.any(near):
+                column[int(np.argmax(np.where(near, share, -1.0)))] = mode.surface_gain
+            columns.append(column)
+    return np.array(columns).T
+
+
+def second_order_heights(
+    liquid: Driven, body: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, step: float
+) -> np.ndarray:
+    """Heights (m, J) of the second order in the modes of the basin, at rest at the start, m.
+
+    Args:
+        liquid: which.
+        body: (9, m) angular velocity, angular acceleration and specific force of the bottom's centre, container axes.
+        displacement: (m, k) of the modal masses, m.
+        velocity: (m, k) likewise, m/s.
+        step: between the instants, s.
+    """
+    basin, count = liquid.terms.basin, len(displacement)
+    every = max(int(_STEP_ANGLE / (float(np.max(basin.frequency)) * step)), 1)
+    picked = np.append(np.arange(0, count - 1, every), count - 1)
+    rows = rows_at(body[:, picked], np.array([0.0, 0.0, basin.depth]))
+    first = _states(liquid, rows, displacement[picked], velocity[picked])
+    heights = _integrated(liquid, second_order_sources(liquid.terms, first, rows), rows, step * np.diff(picked))
+    return np.stack([np.interp(np.arange(count), picked, column) for column in heights.T], axis=1)
+
+
+def _states(liquid: Driven, rows: np.ndarray, displacement: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """(m, 2, J) heights and potentials of the first order, these as the surface's own motion has them."""
+    terms, height = liquid.terms, displacement @ liquid.gains.T
+    carried = rows[2][:, None] * (height @ terms.spin.T)
+    leaned = (terms.rise @ lean_of(rows[:3])).T
+    return np.stack([height, (velocity @ liquid.gains.T + carried - leaned) / terms.stiffness], axis=1)
+
+
+def _integrated(liquid: Driven, sources: np.ndarray, rows: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Heights (m, J) that sources (m, 2, J) make."""
+    terms, h = liquid.terms, steps[:, None]
+    turn = np.concatenate([[0.0], np.cumsum((rows[2][:-1] + rows[2][1:]) / 2 * steps)])
+    still = np.exp(1j * np.outer(turn, liquid.diameters))  # from the cup's axes to those that do not turn
+    pushes = np.stack([sources[:, 0], -sources[:, 1] - terms.friction * sources[:, 0]]) @ liquid.axes * still
+    of_pair = np.argmax(np.abs(liquid.axes), axis=0)
+    kappa = terms.stiffness[of_pair]
+    decay, force = terms.friction[of_pair] * kappa / 2, (rows[8][:-1] + rows[8][1:])[:, None] / 2
+    root = np.sqrt((kappa * force - decay**2).astype(complex))
+    root = np.where(np.abs(root) < _STANDS_STILL, _STANDS_STILL, root)
+    fade = np.exp(-decay * h)
+    cosine, sine = (fade * np.cos(root * h)).real, (fade * np.sin(root * h) / root).real
+    rows_ahead = zip(cosine + decay * sine, kappa * sine, -force * sine, cosine - decay * sine, strict=True)
+    before, after = h / 2 * pushes[:, :-1], h / 2 * pushes[:, 1:]
+    height = potential = np.zeros(pushes.shape[2], complex)
+    heights = [height]
+    for index, (a, b, c, d) in enumerate(rows_ahead):
+        u, v = height + before[0, index], potential + before[1, index]
+        height = a * u + b * v + after[0, index]
+        potential = c * u + d * v + after[1, index]
+        heights.append(height)
+    return ((np.array(heights) * still.conj()) @ liquid.axes.conj().T).real
