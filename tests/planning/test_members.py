@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from nospill.certification.verdict import Row
 from nospill.laws.constraints.base import RowId
-from nospill.planning.members import Members, tightened
+from nospill.planning.members import Members, backoff_by_order, relaxed_by_order, tightened
 from nospill.planning.worst_speeds import is_far
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
@@ -96,3 +97,22 @@ def test_a_peak_far_from_all_slowed_members_joins(smooth_motion: Callable) -> No
         assert {text for _, text in Members(names, speeds, cargo).far_peaks(rows, t)} == expected
         assert Members({("a", ""): "a"}, speeds, cargo).far_peaks(rows, t) == set()  # nothing is slowed yet
     assert not is_far(0.3, [("a", "")], {("a", ""): 1.0}, 0.1)
+
+
+def test_heights_of_second_order_are_tightened_by_the_root_of_a_quadratic() -> None:
+    """What the optimiser leaves out goes with the square: 0.6 of the limit with 0.4 x 0.36/0.64 more, not 0.6 + 0.4."""
+    key = RowId("slosh height", "a")
+
+    def row(linear: float, second: float) -> Row:
+        return Row(*key, "m", 1.0, second, 1.0 - second, 0.0, second <= 1.0, linear_value=linear)
+
+    backoff, joining = tightened([row(0.9, 1.1)], [key], {key: 0.1}, {})
+    kept = 1.0 - backoff[key]
+    assert not joining and kept + 0.2 / 0.81 * kept**2 == pytest.approx(0.98, abs=0.005)  # half of 4 % below the limit
+    assert backoff_by_order([row(0.9, 1.1)], {key: 0.1}) == backoff
+    assert backoff_by_order([row(0.9, 0.99)], {key: 0.1}) == {}
+    again, _ = tightened([row(0.8, 1.0001)], [key], {key: 0.2}, {})
+    assert 0.2 < again[key] < 0.21
+    given = relaxed_by_order([row(0.6, 0.7)], {key: 0.4})
+    assert 0.15 < given[key] < 0.4
+    assert relaxed_by_order([row(0.6, 0.97)], {key: 0.4}) == {key: 0.4}

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill.potential_flow import Crests, crests_along, unsupported
+from nospill.potential_flow import Crests, crests_along
+from nospill.scene.heights import unsupported
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.swing import Swing
 from nospill.simulation.cup_file import cup_from_table

@@ -53,9 +53,14 @@ def peaks_between(
 
 
 def with_peaks(traces: Iterable[Trace], peaks: Iterable[Trace]) -> tuple[Trace, ...]:
-    """The traces, with the instants of the peaks among theirs; at most one trace of peaks for each."""
+    """The traces, with the instants of the peaks among theirs; at most one trace of peaks for each.
+
+    Heights of second order are known on the grid alone, where they are smooth.
+    """
     between = {peak.id: peak for peak in peaks}
-    return tuple(_merge(trace, between[trace.id]) if trace.id in between else trace for trace in traces)
+    return tuple(
+        _merge(trace, between[trace.id]) if trace.id in between and trace.linear is None else trace for trace in traces
+    )
 
 
 def _merge(trace: Trace, peak: Trace) -> Trace:

@@ -12,6 +12,7 @@ import numpy as np
 from nospill.certification.after_end import residual_height
 from nospill.certification.path_deviation import passing_traces, played_offset
 from nospill.certification.replay import Replay, slosh_accelerations, states_at
+from nospill.certification.second_order import with_second_order
 from nospill.certification.verdict import Trace
 from nospill.compiled import codegen
 from nospill.compiled.kept import kept
@@ -70,7 +71,8 @@ def constraint_traces(
     }
     traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
     passing = passing_traces(scene, played) if EvaluationPoint.PASSING in points else ()
-    return (*_at_end(traces, scene, inputs[EvaluationPoint.END][1]), *passing)
+    to_order = with_second_order(traces, scene, played)
+    return (*_at_end(to_order, scene, inputs[EvaluationPoint.END][1]), *passing)
 
 
 def motion_inputs(trajectory: Trajectory, scene: Scene, played: Replay) -> dict[EvaluationPoint, Inputs]:

@@ -45,7 +45,8 @@ class Row:
     """One constraint and one subject: the instant that uses most of the limit. `ok` is worst_margin >= 0.
 
     `variant` says with which numbers, where those of the subject may be off and others than the stated ones are worst;
-    `law` is the constraint itself, where it is none of the table.
+    `linear_value` is the greatest height by linear theory, where the row is about one of second order; `law` is the
+    constraint itself, where it is none of the table.
     """
 
     constraint: str
@@ -57,6 +58,7 @@ class Row:
     at_s: float
     ok: bool
     variant: str = ""
+    linear_value: float | None = None
     law: Constraint | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -203,16 +205,18 @@ class Certificate:
 
 
 def _plain(row: Row) -> dict[str, Any]:
-    """A row as it is written; a variant only where there is one."""
+    """A row as it is written; a variant and a linear value only where there is one."""
     names = (item.name for item in fields(Row) if item.name != "law")
-    return {name: getattr(row, name) for name in names if name != "variant" or row.variant}
+    absent = {"variant": "", "linear_value": None}
+    return {name: value for name in names if (value := getattr(row, name)) != absent.get(name, row)}
 
 
 @dataclass(frozen=True)
 class Trace:
     """One constraint and subject over time: t (m,) s, value, limit and margin (m,) in the constraint's unit.
 
-    `variant` as of a row; `law` is the constraint itself, where it is none of the table.
+    `variant` as of a row; `linear` (m,) is the height by linear theory where the value is one of second order; `law` is
+    the constraint itself, where it is none of the table.
     """
 
     constraint: str
@@ -223,6 +227,7 @@ class Trace:
     limit: np.ndarray
     margin: np.ndarray
     variant: str = ""
+    linear: np.ndarray | None = None
     law: Constraint | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -257,6 +262,7 @@ def worst_row(trace: Trace) -> Row:
         at_s=float(trace.t[index]),
         ok=bool(margin >= 0.0),
         variant=trace.variant,
+        linear_value=None if trace.linear is None else float(np.max(trace.linear)),
         law=trace.law,
     )
 

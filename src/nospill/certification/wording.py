@@ -6,6 +6,7 @@ Everything that is printed of a certificate, in a terminal, on a figure or on a 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from nospill.certification.verdict import APPROACH, Certificate, Row
@@ -156,6 +157,8 @@ def describe(row: Row) -> str:
     return f"{row.constraint} of {row.label} is {value} against a {kind} of {limit} ({distance}) {at}"
 
 
+_NAMED = 4
+"""Liquids that a line names."""
 _BREAKS = {Lift.name: "lifts off", Slip.name: "slips", Tip.name: "tips", Twist.name: "turns"}
 _HEIGHTS = {SloshHeight.name: "", ResidualHeight.name: " after the end"}
 
@@ -184,6 +187,17 @@ def full_model_note(certificate: Certificate) -> str:
         return ""
     who = "the full model sees" if certificate.published else f"{FULL_MODES} modes of each liquid see"
     return f"{who} " + "; ".join(heights + others)
+
+
+def linear_heights_line(rows: Iterable[Row]) -> str:
+    """The linear heights of the liquids whose rows are of second order, in one line; nothing where there are none.
+
+    "slosh heights are of second order; linear: c1 9.6 mm, c2 10.8 mm".
+    """
+    linear = [(row.label, row.linear_value) for row in rows if row.linear_value is not None]
+    found = ", ".join(f"{label} {1e3 * value:.3g} mm" for label, value in linear[:_NAMED])
+    more = f" and {len(linear) - _NAMED} more" if len(linear) > _NAMED else ""
+    return f"slosh heights are of second order; linear: {found}{more}" if linear else ""
 
 
 def remedy(row: Row, rate: float) -> str:

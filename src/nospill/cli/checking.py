@@ -80,7 +80,13 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
 def print_certificate(certificate: Certificate, scene: Scene, *, everything: bool = False) -> None:
     """Print the verdict, then the fullest row of each constraint, the fullest first, or all rows, and the rims."""
     from nospill.certification.rims import rim_distances, rim_line
-    from nospill.certification.wording import full_model_note, integrity_line, row_text, verdict_line
+    from nospill.certification.wording import (
+        full_model_note,
+        integrity_line,
+        linear_heights_line,
+        row_text,
+        verdict_line,
+    )
     from nospill.core.short_names import short_names
 
     rows = certificate.rows if everything else certificate.listed_rows()
@@ -107,6 +113,9 @@ def print_certificate(certificate: Certificate, scene: Scene, *, everything: boo
     rims = rim_line(rim_distances(scene, certificate.rows))
     if rims:
         print_lines(rims)
+    linear = linear_heights_line(certificate.rows)
+    if linear:
+        print_lines(linear)
     note = full_model_note(certificate)
     if note:
         print_lines(f"warning: {note}")

@@ -21,9 +21,15 @@ from nospill.laws.constraints.clearance import Clearance, clearance_backoff
 from nospill.laws.constraints.joint_jerk import command_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
-from nospill.planning.members import Members, tightened, uses_of
+from nospill.planning.members import Members, backoff_by_order, relaxed_by_order, tightened, uses_of
 from nospill.planning.task import Task
-from nospill.planning.tightening import ROUGH, beyond_backoff, increased_jerk_weight, relaxed_backoff, shared_backoff
+from nospill.planning.tightening import (
+    ROUGH,
+    beyond_backoff,
+    increased_jerk_weight,
+    relaxed_backoff,
+    shared_backoff,
+)
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 
@@ -35,6 +41,8 @@ _SLIGHT = 5e-3
 """Part of a limit by which what is not in the problem may exceed it before it joins: a larger problem costs more."""
 _SLIGHT_OF_REFINED = 0.5
 """The same once liquids are in it with several modes, where a variant more costs as much as three."""
+_OF_LAW = 5e-3
+"""Part of its limit by which the linear part of a height may exceed what a problem leaves to it before modes join."""
 _OF_SUM = 0.3
 """Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
 _MOST_MODES = 6
@@ -201,8 +209,9 @@ class ActiveSet:
 
     def relaxed(self, judgement: Judgement) -> ActiveSet:
         """The set without most of the back-off that a certified motion shows to be more than is needed."""
-        uses = uses_of(self._on_members(judgement.variant_rows, own=True))
-        return replace(self, backoff=relaxed_backoff(self.backoff, uses))
+        own = list(self._on_members(judgement.variant_rows, own=True))
+        relaxed = relaxed_backoff(self.backoff, uses_of(row for row in own if row.linear_value is None))
+        return replace(self, backoff={**relaxed, **relaxed_by_order(own, self.backoff)})
 
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
@@ -212,13 +221,26 @@ class ActiveSet:
         residual = {RowId(ResidualHeight.name, label): _OF_SUM for label in fresh}
         spent = dict.fromkeys(self._members.saturated_at_end(self.backoff), _OF_SUM)
         grown = grown.with_backoff({**self.backoff, **spent}).with_backoff(residual)
+        own = list(grown._on_members(judgement.variant_rows, own=True))
+        grown = grown.with_backoff(backoff_by_order(own, grown.backoff))
         grown = replace(grown, expected=self.expected, jerk_weight_factor=self.jerk_weight_factor)
-        return grown.without_far(grown._on_members(judgement.variant_rows, own=True))
+        return grown.without_far(own)
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:
-        """Members whose liquid breaks a limit, where the optimiser may carry more than one mode."""
-        broken = {row.subject for row in rows if row.of_liquid and row.shortfall > 0.0}
+        """Members whose liquid breaks a limit, where the optimiser may carry more than one mode.
+
+        Of a height of second order its linear part counts, and what of its limit the problem left to that.
+        """
+        broken = {row.subject for row in rows if row.of_liquid and self._is_over_law(row)}
         return frozenset(name for name, _ in self.members if name in broken and self.task.scene.planned_modes > 1)
+
+    def _is_over_law(self, row: Row) -> bool:
+        """Whether a liquid breaks a limit by more than what the optimiser's law leaves out."""
+        if row.linear_value is None or row.shortfall <= 0.0:
+            return row.shortfall > 0.0
+        labels = [label for (name, _), label in self.names.items() if name == row.subject]
+        kept = max((self.backoff.get(RowId(row.constraint, label), 0.0) for label in labels), default=0.0)
+        return row.linear_value > (1.0 + _OF_LAW - kept) * row.limit
 
     def near_members(self, judgement: Judgement) -> frozenset[VariantId]:
         """Of every constraint and object the variant that comes nearest to a limit in a judged motion, if it does."""

@@ -24,7 +24,12 @@ import numpy as np
 from nospill.certification.verdict import Row, condensed
 from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
-from nospill.planning.tightening import is_saturated, tightened_backoff
+from nospill.planning.tightening import (
+    is_saturated,
+    relaxed_second_order,
+    second_order_backoff,
+    tightened_backoff,
+)
 from nospill.planning.worst_speeds import adjacent_members, evenly, is_far, peaks
 from nospill.scene.cargo import Cargo
 from nospill.scene.variants import VariantId
@@ -207,11 +212,39 @@ def tightened(
     for row in condensed(rows):
         key = row.id
         if key in active:
-            excess = row.shortfall / row.size
-            raised[key] = tightened_backoff(raised[key], excess, slack.get(key, 0.0), at_end=row.at_end)
+            raised[key] = _raised_backoff(row, raised[key], slack.get(key, 0.0))
         elif key in raised:
             joining.add(key)
     return raised, frozenset(joining)
+
+
+def _raised_backoff(row: Row, backoff: float, unused: float) -> float:
+    """Back-off of a broken row for the next problem."""
+    if row.linear_value is None:
+        return tightened_backoff(backoff, row.shortfall / row.size, unused, at_end=row.at_end)
+    allowed = row.limit - row.shortfall - row.worst_margin  # less what a finer grid may find
+    return second_order_backoff(backoff, *_parts(row), allowed / row.limit)
+
+
+def backoff_by_order(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, float]:
+    """Back-off of the broken rows of second order alone, whose excess over the linear law has just been seen.
+
+    Arguments as of `tightened`.
+    """
+    broken = condensed(row for row in rows if row.linear_value is not None and row.shortfall > 0.0)
+    return {row.id: _raised_backoff(row, backoff[row.id], 0.0) for row in broken if row.id in backoff}
+
+
+def relaxed_by_order(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, float]:
+    """Back-off of the rows of second order, less where a certified motion stays far below their limits."""
+    found = condensed(row for row in rows if row.linear_value is not None and row.id in backoff)
+    return {row.id: relaxed_second_order(backoff[row.id], *_parts(row)) for row in found}
+
+
+def _parts(row: Row) -> tuple[float, float]:
+    """Linear height and height of second order of a row, as parts of its limit."""
+    assert row.linear_value is not None
+    return row.linear_value / row.limit, row.worst_value / row.limit
 
 
 def uses_of(rows: Iterable[Row]) -> dict[RowId, float]:

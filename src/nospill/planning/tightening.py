@@ -5,6 +5,7 @@ And how much less once it finds a certified motion far below.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from nospill.laws.constraints import END_NAMES, LIQUID_NAMES, OBJECT_NAMES
@@ -19,6 +20,11 @@ _TOO_MUCH, _STUCK = 0.8, 0.6
 _CONTACTS = OBJECT_NAMES - LIQUID_NAMES
 _NEAR, _SHARE = 0.03, 0.8
 """Part of its limit that a contact leaves, or less, where it is near it; and what it gets of another's back-off."""
+_FREE, _MOST_OVER = 1e-3, 0.04
+"""Part of a limit of second order that is left free, and the most that a height is taken to be over it when
+half of that is added."""
+_WELL_BELOW = 0.95
+"""Use of such a limit below which a certified motion gets back-off back."""
 _LEFT, _RELAXED = 2e-3, 0.8
 """Part of a limit that is left free all the same, and part of what is free beyond it that is no longer kept."""
 
@@ -38,6 +44,38 @@ def tightened_backoff(backoff: float, excess: float, unused: float, *, at_end: b
     most = _MOST_AT_END if at_end else _MOST
     step = min(_MORE * excess + _LEAST, most)
     return backoff + min(step + max(0.0, unused) / 2, (1.0 - backoff) / 2)  # of a cone it is a difference of squares
+
+
+def second_order_backoff(backoff: float, linear: float, second: float, allowed: float) -> float:
+    """Back-off of a height of second order, of which the optimiser sees the linear part.
+
+    What the second order adds grows with the square of the linear height, and this in proportion to what is left of the
+    budget; heights are fractions of the limit.
+
+    Args:
+        backoff: fraction of the budget that the last problem kept.
+        linear: greatest linear height of its answer, as judged.
+        second: greatest height of second order.
+        allowed: what that may be.
+    """
+    more = (_MORE - 1.0) * min(max(second - allowed, 0.0), _MOST_OVER)  # what it adds falls more slowly than that
+    least = backoff + min(_LEAST, (1.0 - backoff) / 2)
+    return max(_backoff_for(backoff, linear, second, allowed - more - _FREE), least)
+
+
+def relaxed_second_order(backoff: float, linear: float, second: float) -> float:
+    """The same of a certified motion whose height of second order is far below its limit; arguments as there."""
+    if second > _WELL_BELOW:
+        return backoff
+    return max(min(backoff + _RELAXED * (_backoff_for(backoff, linear, second, 1.0 - _LEFT) - backoff), backoff), 0.0)
+
+
+def _backoff_for(backoff: float, linear: float, second: float, wanted: float) -> float:
+    """Back-off with which the height of second order is the part `wanted` of its limit."""
+    added = max(second - linear, 0.0) / linear**2
+    height = 2.0 * wanted / (1.0 + math.sqrt(1.0 + 4.0 * added * wanted))  # height + added height^2 = wanted
+    ahead = max(linear / (1.0 - backoff), 1.0)  # of what the problem allowed: by modes and instants that it has not
+    return 1.0 - height / ahead
 
 
 def relaxed_backoff(backoff: Mapping[RowId, float], uses: Mapping[RowId, float]) -> dict[RowId, float]:

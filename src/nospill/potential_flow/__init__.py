@@ -1,9 +1,11 @@
 """Potential flow of the liquid in an upright prism on a moving tray: to the first and second order, and in full."""
 
-from nospill.potential_flow.basin import unsupported as unsupported
 from nospill.potential_flow.courses import BodyRows as BodyRows
 from nospill.potential_flow.crests import Crests as Crests
 from nospill.potential_flow.crests import SecondOrder as SecondOrder
 from nospill.potential_flow.crests import crests_along as crests_along
 from nospill.potential_flow.crests import second_order_along as second_order_along
+from nospill.potential_flow.driven import Driven as Driven
+from nospill.potential_flow.driven import driven as driven
+from nospill.potential_flow.driven import second_order_heights as second_order_heights
 from nospill.potential_flow.integration import rows_at as rows_at

@@ -71,18 +71,6 @@ class Basin:
         return self.modes.coefficients(self.modes.points)
 
 
-def unsupported(cargo: Cargo) -> str | None:
-    """Why the flow of an object cannot be computed, as the end of a sentence; None where it can."""
-    if cargo.carrier:
-        return f"it stands in {cargo.carrier}, and vials of a carrier are not followed"
-    if not isinstance(cargo.container, Cylinder | Box):
-        return "the flow is known in upright cylinders and boxes only"
-    filling = cargo.filling
-    if filling is not None and any(mode.tension for mode in filling.oscillators):
-        return "the flow leaves surface tension out, and a contact line is stated"
-    return None
-
-
 def basin_of(cargo: Cargo, finest: float = FINE) -> Basin:
     """The liquid of an upright cylinder or box with all its modes up to a wave number.
 

@@ -1,7 +1,7 @@
 """The second order driven by waves of the first order that are known already, as a judge has them.
 
-`orders.second_order` is linear in its own state, and what drives it follows from the first order alone. So every mode is
-an oscillator of its own, stiffened by the axial force. A step is exact for a constant one; the source enters by the
+`orders.second_order` is linear in its own state, and what drives it follows from the first order. So every mode is an
+oscillator of its own, stiffened by the axial force. A step is exact for a constant one; the source enters by the
 trapezoidal rule, which loses (omega h)^2/12 of it. A turn about the axis takes waves with m nodal diameters round as
 exp(-i m theta), so those of a cup are integrated in axes that do not turn. In a box a turn mixes all modes; that part
 is left out of the second order, as the modal model leaves it out of the first.
@@ -35,7 +35,7 @@ class Driven:
     Attributes:
         terms: of the first and the second order, in the modes that drive and are driven.
         gains: (J, k) height of every mode per displacement of the modal masses.
-        axes: (J, L) amplitude of every driven oscillator per height of the modes, complex for a pair of cosine and sine.
+        axes: (J, L) amplitudes of the driven oscillators per height of a mode, complex for a pair of cosine and sine.
         diameters: (L,) nodal diameters of a cup's oscillators; 0 in a box.
     """
 
@@ -149,7 +149,7 @@ def _integrated(liquid: Driven, sources: np.ndarray, rows: np.ndarray, steps: np
     root = np.sqrt((kappa * force - decay**2).astype(complex))
     root = np.where(np.abs(root) < _STANDS_STILL, _STANDS_STILL, root)
     fade = np.exp(-decay * h)
-    cosine, sine = (fade * np.cos(root * h)).real, (fade * np.sin(root * h) / root).real
+    cosine, sine = np.real(fade * np.cos(root * h)), np.real(fade * np.sin(root * h) / root)
     rows_ahead = zip(cosine + decay * sine, kappa * sine, -force * sine, cosine - decay * sine, strict=True)
     before, after = h / 2 * pushes[:, :-1], h / 2 * pushes[:, 1:]
     height = potential = np.zeros(pushes.shape[2], complex)
@@ -159,4 +159,4 @@ def _integrated(liquid: Driven, sources: np.ndarray, rows: np.ndarray, steps: np
         height = a * u + b * v + after[0, index]
         potential = c * u + d * v + after[1, index]
         heights.append(height)
-    return ((np.array(heights) * still.conj()) @ liquid.axes.conj().T).real
+    return np.real((np.array(heights) * still.conj()) @ liquid.axes.conj().T)

@@ -18,6 +18,7 @@ from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
 from nospill.scenario.tables import Given, OptionalQuantities, OptionalQuantity, Quantities, Quantity, Table, default
 from nospill.scenario.tolerance_entry import ToleranceTable
+from nospill.scene.heights import HeightOrder
 from nospill.scene.scene import FULL_MODES, EndCondition, Fidelity
 
 SHORTEST_DURATION = 0.1
@@ -106,6 +107,13 @@ class MotionTable(Table):
         Measured(dimension="ratio", above=0.0, at_most=1.0),
         Field(description="greatest surface height after the end, as a fraction of max_slosh_height"),
     ] = default(0.2)
+    slosh_height: Annotated[
+        HeightOrder | None,
+        Field(
+            description="what max_slosh_height bounds: the linear height, or, at full fidelity and in upright "
+            "cylinders and boxes, that of second order, to which real crests are nearer; linear when left out"
+        ),
+    ] = None
     duration: Annotated[
         OptionalQuantity,
         Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),

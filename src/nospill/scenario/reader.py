@@ -34,6 +34,7 @@ from nospill.scenario.sentences import Fault, report
 from nospill.scenario.tables import Table, plain
 from nospill.scene.cargo import Cargo
 from nospill.scene.controller import Controller
+from nospill.scene.heights import unsupported
 from nospill.scene.places import Via
 from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, Origin, PlanningOptions, Scene, path_length_of
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
@@ -102,6 +103,7 @@ def read_scene(
     _check_payload(robot, tray, cargo, scenario, label)
     with _at(label, "[motion]"):
         _check_motion(scenario)
+        _check_height(scenario, cargo)
     with _at(label, "[path]"):
         _check_ends(path, cargo)
     faults = layout_faults(cargo, tray)
@@ -309,6 +311,24 @@ def _check_motion(scenario: Scenario) -> None:
         )
 
 
+def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
+    """Refuse heights of second order where the scene has none."""
+    if scenario.motion.slosh_height != "second order":
+        return
+    if scenario.fidelity != "full":
+        raise ScenarioError(
+            'slosh_height = "second order" and fidelity = "deliverable" are stated together: the published physics are '
+            "linear; leave one of them out"
+        )
+    for item in cargo:
+        reason = unsupported(item) if item.filling is not None else None
+        if reason is not None:
+            raise ScenarioError(
+                f'slosh_height = "second order": it is not known of {as_written(item.name)}, for {reason}; write '
+                'slosh_height = "linear"'
+            )
+
+
 def _check_ends(path: Path, cargo: tuple[Cargo, ...]) -> None:
     """Refuse a path of the joints at whose ends the tray leans with liquids on it: they rest level with the tray."""
     liquid = next((item.name for item in cargo if item.filling is not None), None)
@@ -368,6 +388,7 @@ def _motion(
         "corridor_shares": scenario.path.width_shares,
         "yaw_free": scenario.path.yaw_free,
         "via": passed,
+        "slosh_height": rules.slosh_height or "linear",
     }
     return _record_of(MotionRules, rules, own)
 

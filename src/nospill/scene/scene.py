@@ -18,6 +18,7 @@ from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.controller import Controller
+from nospill.scene.heights import HeightOrder
 from nospill.scene.limits import Limit, LimitRecord
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.places import Region, Via
@@ -64,6 +65,7 @@ class MotionRules:
         speed_range: least and greatest part of its speed at which it keeps the limits too; None for its own speed.
         via: places that the tray's centre passes, in this order.
         corridor_shares: parts of `corridor` at even steps of the path parameter, where it is not as wide everywhere.
+        slosh_height: to which order the heights of the liquids are judged, as far as it is known of them.
     """
 
     tilt_free: bool
@@ -83,6 +85,7 @@ class MotionRules:
     speed_range: tuple[float, float] | None = None
     via: tuple[Via, ...] = ()
     corridor_shares: tuple[float, ...] = ()
+    slosh_height: HeightOrder = "linear"
 
     @property
     def speeds(self) -> tuple[float, ...]:

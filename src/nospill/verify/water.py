@@ -12,9 +12,10 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.plan import Plan
 from nospill.plans.warnings.second_order import AFTER, CREST_ERROR, RESIDUAL_ERROR
-from nospill.potential_flow import BodyRows, Crests, crests_along, rows_at, unsupported
+from nospill.potential_flow import BodyRows, Crests, crests_along, rows_at
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.cargo import Cargo
+from nospill.scene.heights import unsupported
 from nospill.scene.scene import Scene
 from nospill.verify.report import Peak
 from nospill.verify.tray_motion import PlayedJoints, planned_joints

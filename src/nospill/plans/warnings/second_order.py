@@ -14,6 +14,7 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
+from nospill.scene.heights import unsupported
 from nospill.scene.scene import Scene
 
 if TYPE_CHECKING:  # it loads scipy, which a plan does without
@@ -40,15 +41,18 @@ def second_order(facts: Facts) -> Iterator[PlanWarning]:
         from nospill.potential_flow import second_order_along
 
         replay = facts.judgement.replay
-        motion = _rows(replay, facts.scene, cargo)
+        motion = motion_rows(replay, facts.scene, cargo)
         found = second_order_along(cargo, motion, float(replay.t[0]), float(replay.t[-1]), after=AFTER)
         (highest, at), limit, left = found.highest, filling.max_slosh_height, found.after_end
         after = rows.get((ResidualHeight.name, cargo.name))
         allowed = np.inf if after is None else abs(after.limit)
-        if highest > (1 + CREST_ERROR) * limit or left > (1 + RESIDUAL_ERROR) * allowed:
-            parts = [f"the crest of second order is {_mm(highest)} at {at:.2f} s", *_over(highest, limit)]
+        in_row = rows[SloshHeight.name, cargo.name].linear_value is not None  # of second order itself
+        if (highest > (1 + CREST_ERROR) * limit and not in_row) or left > (1 + RESIDUAL_ERROR) * allowed:
+            parts = [] if in_row else [f"the crest of second order is {_mm(highest)} at {at:.2f} s"]
+            parts += [] if in_row else _over(highest, limit)
             if left > (1 + RESIDUAL_ERROR) * allowed:
-                parts.append(f"after the end it is {_mm(left)} where {_mm(allowed)} are allowed")
+                order = " to the second order" if in_row else ""
+                parts.append(f"after the end it is {_mm(left)}{order} where {_mm(allowed)} are allowed")
             text = (
                 f"{', '.join(parts)}; plan with a smaller max_slosh_height, and see by nospill verify DIR --water "
                 "whether it is small enough."
@@ -64,16 +68,10 @@ def _highest(facts: Facts, rows: Mapping[tuple[str, str], Row]) -> list[tuple[Ca
         if judged is None or filling is None:
             continue
         side = float(np.min(cargo.container.section(filling.liquid_height).half_lengths))
-        if judged.worst_value > FIRST_ORDER_CREST * side and _is_covered(cargo):
+        if judged.worst_value > FIRST_ORDER_CREST * side and unsupported(cargo) is None:
             found.append((judged.worst_value / side, index, cargo, filling))
     kept = sorted(found, key=lambda item: item[:2])[-MOST:]
     return [item[2:] for item in sorted(kept, key=lambda item: item[1])]
-
-
-def _is_covered(cargo: Cargo) -> bool:
-    from nospill.potential_flow import unsupported
-
-    return unsupported(cargo) is None
 
 
 def _over(highest: float, limit: float) -> list[str]:
@@ -84,7 +82,7 @@ def _mm(length: float) -> str:
     return format_quantity(length, "length", digits=3)
 
 
-def _rows(replay: Replay, scene: Scene, cargo: Cargo) -> BodyRows:
+def motion_rows(replay: Replay, scene: Scene, cargo: Cargo) -> BodyRows:
     """Motion of a container as it was judged, the tray at rest afterwards."""
     up = replay.tray.rotation[-1].T @ np.array([0.0, 0.0, scene.gravity])
     rest = np.concatenate([np.zeros(6), up])

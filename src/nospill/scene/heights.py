@@ -1,0 +1,28 @@
+"""To which order the heights of liquids are judged, and of which liquids the second is known."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from nospill.scene.cargo import Cargo
+from nospill.scene.containers.box import Box
+from nospill.scene.containers.cylinder import Cylinder
+
+HeightOrder = Literal["linear", "second order"]
+
+
+def unsupported(cargo: Cargo) -> str | None:
+    """Why the second order of an object's liquid is not known, as the end of a sentence; None where it is."""
+    if cargo.carrier:
+        return f"it stands in {cargo.carrier}, and vials of a carrier are not followed"
+    if not isinstance(cargo.container, Cylinder | Box):
+        return "the flow is known in upright cylinders and boxes only"
+    filling = cargo.filling
+    if filling is not None and any(mode.tension for mode in filling.oscillators):
+        return "the flow leaves surface tension out, and a contact line is stated"
+    return None
+
+
+def to_second_order(cargo: Cargo, order: HeightOrder) -> bool:
+    """Whether the height of an object's liquid is judged to the second order where the scene says `order`."""
+    return order == "second order" and cargo.filling is not None and unsupported(cargo) is None

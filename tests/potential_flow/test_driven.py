@@ -1,0 +1,68 @@
+"""The second order along known waves of the first, against the integration of both orders together."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nospill.potential_flow import driven, rows_at, second_order_heights
+from nospill.potential_flow.orders import first_order
+from nospill.potential_flow.solving import two_orders
+from nospill.scene.cargo import Cargo
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
+from tests.waters import cup, tub
+
+_STEP = 1e-3
+_COUNT = 900
+
+
+def _rows(turn: float, lean: float) -> np.ndarray:
+    """(9, 2 m + 1) about the rest surface: pushed to and fro, turned and leaned, from rest and to rest."""
+    t = _STEP / 2 * np.arange(2 * _COUNT + 1)
+    moves = np.clip(t / 0.6, 0.0, 1.0)
+    shape, rate = np.sin(np.pi * moves) ** 2, np.pi / 0.6 * np.sin(2 * np.pi * moves)
+    rows = np.zeros((9, len(t)))
+    rows[6], rows[7] = 1.2 * np.sin(2 * np.pi * t / 0.3) * shape, 0.7 * np.sin(2 * np.pi * t / 0.2) * shape
+    rows[8] = STANDARD_GRAVITY + 1.5 * np.sin(2 * np.pi * t / 0.25) * shape
+    rows[0], rows[3] = lean * shape, lean * rate
+    rows[2], rows[5] = turn * shape, turn * rate
+    return rows
+
+
+def _both(cargo: Cargo, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Heights (m, J) of second order, both orders integrated together and driven by the first order's masses."""
+    liquid = driven(cargo)
+    start = np.zeros((2, len(liquid.terms.stiffness)))
+    states = two_orders(liquid.terms, start, rows, _STEP)
+    first, at = states[:, 0], rows[:, ::2]
+    masses = np.linalg.pinv(liquid.gains).T
+    velocity = first_order(liquid.terms, first, at)[:, 0] @ masses
+    body = rows_at(at, np.array([0.0, 0.0, -liquid.terms.basin.depth]))
+    return states[:, 1, 0], second_order_heights(liquid, body, first[:, 0] @ masses, velocity, _STEP)
+
+
+@pytest.mark.parametrize(("turn", "lean"), [(0.0, 0.0), (4.0, 0.0), (4.0, 0.8)])
+def test_in_a_cup_it_is_that_of_both_orders_together(turn: float, lean: float) -> None:
+    expected, found = _both(cup(), _rows(turn, lean))
+    largest = np.max(np.abs(expected))
+    assert largest > 2e-4
+    np.testing.assert_allclose(found, expected, atol=0.01 * largest)
+
+
+def test_in_a_box_that_does_not_turn_too() -> None:
+    expected, found = _both(tub(), _rows(0.0, 0.8))
+    largest = np.max(np.abs(expected))
+    assert largest > 2e-4
+    np.testing.assert_allclose(found, expected, atol=0.015 * largest)
+
+
+def test_twice_the_waves_drive_four_times_the_heights() -> None:
+    rows = _rows(3.0, 0.0)
+    liquid = driven(cup())
+    swing = np.random.default_rng(1).normal(size=(liquid.gains.shape[1], 2)) * 1e-3
+    t = _STEP * np.arange(_COUNT + 1)
+    q, qd = np.sin(25 * t)[:, None] * swing[:, 0], 25 * np.cos(25 * t)[:, None] * swing[:, 0]
+    body = rows[:, ::2].copy()
+    body[:6], body[6:8] = 0.0, 0.0  # the waves alone
+    once, twice = (second_order_heights(liquid, body, by * q, by * qd, _STEP) for by in (1.0, 2.0))
+    np.testing.assert_allclose(twice, 4 * once, atol=1e-12)
