@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from scipy.stats import binomtest
 from typer.testing import CliRunner
 
-from nospill.certification.certificate import judge
+from nospill.certification.certificate import judge, judge_motion
 from nospill.cli import app
 from nospill.core.trees import flatten
 from nospill.errors import PlanFolderError, ScenarioError
@@ -71,7 +71,7 @@ def test_own_numbers_give_the_margins_of_the_certificate(name: str, smooth_plan:
     plan = smooth_plan(name, tilt=(0.1, 0.05) if name != "matrix-liquid" else (0.0, 0.0))
     rows = {(row.constraint, row.subject): row for row in plan.certificate.rows}
     motion = tray_motion(plan.trajectory, plan.scene)
-    every = object_margins(plan.scene, [[_numbers(cargo, plan.scene)] for cargo in plan.scene.cargo], motion)
+    every = object_margins(plan.scene, [[cargo] for cargo in plan.scene.cargo], motion)
     for cargo, found in zip(plan.scene.cargo, every, strict=True):
         assert len(found.margin) == 1 and len(found.constraints) >= 4
         for column, constraint in enumerate(found.constraints):
@@ -79,6 +79,17 @@ def test_own_numbers_give_the_margins_of_the_certificate(name: str, smooth_plan:
             size = abs(row.limit) or 1.0
             assert found.margin[0, column] == pytest.approx(row.worst_margin, abs=2e-3 * size), constraint.name
             assert found.limit[0, column] == pytest.approx(row.limit)
+
+
+def test_heights_of_second_order_are_those_of_the_certificate(smooth_plan: Callable[..., Plan]) -> None:
+    plan = smooth_plan("matrix-liquid-tilt", cargo=1, tilt=(0.1, 0.05))
+    scene = replace(plan.scene, motion=replace(plan.scene.motion, slosh_height="second order"))
+    rows = judge_motion(plan.trajectory, scene).certificate.rows
+    (row,) = [row for row in rows if row.constraint == "slosh height"]
+    (found,) = object_margins(scene, [[scene.cargo[0]]], tray_motion(plan.trajectory, scene))
+    column = [own.name for own in found.constraints].index("slosh height")
+    assert row.linear_value != pytest.approx(row.worst_value, rel=0.02)
+    assert found.margin[0, column] == pytest.approx(row.worst_margin, abs=2e-3 * row.limit)
 
 
 @pytest.mark.parametrize("name", ["matrix-liquid", "matrix-liquid-tilt", "matrix-rigid", "pp-two-cups", "mixed-tray"])
@@ -133,8 +144,8 @@ def test_lower_friction_uses_the_budget_in_inverse_proportion(smooth_plan: Calla
     plan = smooth_plan("matrix-rigid")
     scene, motion = plan.scene, tray_motion(plan.trajectory, plan.scene)
     scene = replace(scene, cargo=scene.cargo[:1])
-    numbers = [_numbers(drawn_object(scene.cargo[0], off(friction=x), scene), scene) for x in (-0.2, 0.0, 0.25)]
-    (found,) = object_margins(scene, [numbers], motion)
+    objects = [drawn_object(scene.cargo[0], off(friction=x), scene) for x in (-0.2, 0.0, 0.25)]
+    (found,) = object_margins(scene, [objects], motion)
     use = 1.0 - found.margin[:, [own.name for own in found.constraints].index("slip")]
     assert use[[0, 2]] == pytest.approx(use[1] / np.array([0.8, 1.25]), rel=1e-9)
     tip = found.margin[:, [own.name for own in found.constraints].index("tip")]

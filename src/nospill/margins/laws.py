@@ -8,13 +8,14 @@ step every constraint of the object is looked at; of each the instant that uses 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nospill.certification.after_end import residual_height
 from nospill.certification.replay import liquid_steps, tray_from_joints
 from nospill.certification.run import run_of
+from nospill.certification.second_order import crests_of_second_order
 from nospill.certification.traces import object_figures_function
 from nospill.certification.verdict import limit_use
 from nospill.core.batches import evaluate
@@ -22,14 +23,17 @@ from nospill.core.trees import flatten
 from nospill.laws.constraints import by_name
 from nospill.laws.constraints.base import Constraint, EvaluationPoint
 from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.kinds import limited_object_kind, object_kind
 from nospill.laws.parameters import ObjectNumbers, ObjectStructure, Structure
-from nospill.laws.scene_parameters import structure_of
+from nospill.laws.scene_parameters import object_numbers, structure_of
 from nospill.laws.slosh.integrate import integrate
 from nospill.motion.control import commanded, followed
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion
 from nospill.motion.trajectory import Trajectory
+from nospill.scene.cargo import Cargo
 from nospill.scene.controller import Controller
+from nospill.scene.heights import to_second_order
 from nospill.scene.scene import Scene
 
 STEP = 1e-3
@@ -101,12 +105,12 @@ class Margins:
     limit: np.ndarray
 
 
-def object_margins(scene: Scene, numbers: Sequence[Sequence[ObjectNumbers]], motion: TrayMotion) -> tuple[Margins, ...]:
+def object_margins(scene: Scene, objects: Sequence[Sequence[Cargo]], motion: TrayMotion) -> tuple[Margins, ...]:
     """Margins of every object for some sets of its numbers, along one motion of the tray.
 
     Args:
         scene: of the objects.
-        numbers: of each object one per sample, of the structure the object has in the scene.
+        objects: of each object one per sample, with these numbers, of the structure the object has in the scene.
         motion: of the tray.
 
     Returns:
@@ -114,12 +118,20 @@ def object_margins(scene: Scene, numbers: Sequence[Sequence[ObjectNumbers]], mot
     """
     structure = structure_of(scene)
     shared = (scene.gravity, scene.motion.residual_fraction)
+    numbers = [
+        [object_numbers(item, fidelity=scene.fidelity, gravity=scene.gravity) for item in drawn] for drawn in objects
+    ]
     columns = [[np.array(flatten((*shared, item))) for item in drawn] for drawn in numbers]
     states = _states(scene, structure, columns, motion)
     known = by_name(scene)
-    return tuple(
+    found = [
         _margins(structure, item, drawn, columns[index], states[index], motion, known)
         for index, (item, drawn) in enumerate(zip(structure.objects, numbers, strict=True))
+    ]
+    order = scene.motion.slosh_height
+    return tuple(
+        _to_second_order(own, drawn, own_states, motion) if to_second_order(drawn[0], order) else own
+        for own, drawn, own_states in zip(found, objects, states, strict=True)
     )
 
 
@@ -176,6 +188,17 @@ def _margins(
             _play_on(item, drawn, constraints, q[:, -1], qd[:, -1], figures[index])
     margin, limit = figures[..., 0], figures[..., 1]
     return Margins(constraints, np.where(np.isnan(margin), -np.inf, margin), limit)
+
+
+def _to_second_order(found: Margins, objects: Sequence[Cargo], states: np.ndarray, motion: TrayMotion) -> Margins:
+    """The same with the slosh heights of second order in the place of the linear ones."""
+    margin, body = found.margin.copy(), motion.body[:, ::2]
+    column = [constraint.name for constraint in found.constraints].index(SloshHeight.name)
+    for index, (drawn, state) in enumerate(zip(objects, states, strict=True)):
+        q, qd = np.split(state, 2, axis=1)
+        crests = crests_of_second_order(drawn, body, q, qd, motion.step)
+        margin[index, column] = found.limit[index, column] - float(np.max(crests))
+    return replace(found, margin=margin)
 
 
 def _worst(figures: np.ndarray, constraints: Sequence[Constraint]) -> list[tuple[float, float]]:

@@ -19,7 +19,6 @@ from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tip import Tip
 from nospill.laws.constraints.twist import Twist
-from nospill.laws.scene_parameters import object_numbers
 from nospill.margins.arms import ArmRanges, draw_arms
 from nospill.margins.drawn_object import drawn_object
 from nospill.margins.laws import Margins, TrayMotion, object_margins, simulate_arms, tray_motion
@@ -115,15 +114,14 @@ def margins(
         _require_known_swing(cargo, own)
     draws = draw(used, samples, seed=seed)
     swept, labels = _sweeps(used)
-    changed, numbers = [], []
+    changed = []
     for index, cargo in enumerate(scene.cargo):
         own = np.vstack([draws[:, index], swept[:, index], np.zeros((1, len(FACTORS)))])
         changed.append([drawn_object(cargo, item, scene) for item in own])
-        numbers.append([object_numbers(item, fidelity=scene.fidelity, gravity=scene.gravity) for item in changed[-1]])
     total = samples + len(labels) + 1
     parts, done = [], 0
     for motion, part in _motions(plan, arm or ArmRanges(), samples, total, seed):
-        parts.append(object_margins(scene, [own[part] for own in numbers], motion))
+        parts.append(object_margins(scene, [own[part] for own in changed], motion))
         done += len(range(*part.indices(total)))
         if progress is not None:
             progress(done, total)
