@@ -16,8 +16,9 @@ from nospill.errors import ScenarioError
 from nospill.laws.scene_parameters import flange_load, object_numbers, structure_of
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.cargo import Cargo, Tolerance
+from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
-from nospill.scene.tolerances import corner_scenes, heaviest
+from nospill.scene.tolerances import corner_scenes, heaviest, tolerance_text
 from nospill.scene.variants import variants, variants_by_object
 from tests.tolerances import EVERYTHING, ROBUST, all_variants, written_out
 
@@ -179,3 +180,24 @@ def test_the_heaviest_load_must_not_pass_the_payload(changed_scene: Changed) -> 
     assert changed_scene("matrix-liquid-tilt", {"tray.mass": board}).tray.mass > 0.0
     with pytest.raises(ScenarioError, match=r"weigh at most .* more than"):
         changed_scene(ROBUST, {"tray.mass": board})
+
+
+def test_frequencies_are_off_with_their_stiffness_and_nothing_else(changed_scene: Changed) -> None:
+    scene = changed_scene("mixed-tray", {"tolerance": {"frequency": "2 %"}})
+    found = texts(scene.cargo[0], scene)
+    assert found == ["", "frequency -2 %", "frequency +2 %", "frequency -1 %", "frequency +1 %"]
+    for index in (0, 2):  # a cup, a box with yaw modes
+        stated, *others = (item.cargo.filling for item in variants(scene.cargo[index], fidelity="full"))
+        assert stated is not None
+        for filling, factor in zip(others, (0.98, 1.02, 0.99, 1.01), strict=True):
+            assert filling is not None
+            for mode, before in zip(filling.oscillators, stated.oscillators, strict=True):
+                assert mode.frequency == pytest.approx(factor * before.frequency)
+                assert replace(mode, frequency=before.frequency) == before
+            few = with_modes(replace(scene.cargo[index], filling=filling), 2).filling
+            assert few is not None and few.modes.slowest.frequency == pytest.approx(
+                factor * stated.modes.slowest.frequency
+            )
+    solid = next(item for item in scene.cargo if item.filling is None)
+    assert solid.tolerance is None
+    assert tolerance_text(Tolerance(frequency=0.02)) == "frequency +-2 %"

@@ -73,6 +73,7 @@ def _offset(cargo: Cargo, offset: LiquidOffset, scene: Scene) -> Cargo:
         position=offset.position,
         pinned=offset.pinned,
         contact_angle=offset.contact_angle,
+        frequency=offset.frequency,
     )
     swing = cargo.filling.initial_swing if cargo.filling else None
     if swing is not None and swing.of(offset) is None:

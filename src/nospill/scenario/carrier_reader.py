@@ -124,6 +124,7 @@ def loaded(carrier: Cargo, content: Sequence[Cargo]) -> Cargo:
         damping=(min(item.damping[0] for item in known), max(item.damping[1] for item in known)),
         pinned=any(item.pinned for item in known),
         contact_angle=max(item.contact_angle for item in known),
+        frequency=max(item.frequency for item in known),
     )
     return replace(full, tolerance=None if tolerance == Tolerance() else tolerance)
 

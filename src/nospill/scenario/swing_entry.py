@@ -89,12 +89,15 @@ class VariantSwingTable(SwingOfModes):
     position: Annotated[PointOnTray, Field(description="of the place on the tray")] = default((0.0, 0.0))
     pinned: Annotated[bool, Field(strict=True, description="whether the contact line is pinned")] = False
     contact_angle: Annotated[Angle, Field(description="of the contact angle")] = default(0.0)
+    frequency: Annotated[
+        Quantity, Measured(dimension="ratio", at_least=-0.2, at_most=0.2), Field(description="of the frequencies")
+    ] = default(0.0)
 
     @property
     def offset(self) -> LiquidOffset:
         """By which the numbers are off."""
         x, y = self.position
-        return LiquidOffset(self.liquid_height, self.damping, (x, y), self.pinned, self.contact_angle)
+        return LiquidOffset(self.liquid_height, self.damping, (x, y), self.pinned, self.contact_angle, self.frequency)
 
 
 class SwingTable(SwingOfModes):

@@ -85,9 +85,14 @@ class ToleranceTable(Table):
         Measured(dimension="angle", at_least=0.0, at_most=math.pi / 2),
         Field(description="of the contact angle that is stated, either side"),
     ] = default(None)
+    frequency: Annotated[
+        OptionalQuantity,
+        Measured(dimension="ratio", at_least=0.0, at_most=0.2),
+        Field(description="of the frequencies of the liquid's modes, relative, either side"),
+    ] = default(None)
 
 
-_OF_LIQUIDS = ("liquid_height", "damping", "pinned", "contact_angle")
+_OF_LIQUIDS = ("liquid_height", "damping", "pinned", "contact_angle", "frequency")
 
 
 def tolerance_of(

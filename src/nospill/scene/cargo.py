@@ -30,6 +30,7 @@ class Filling:
         contact_line: how the surface meets the wall; empty where surface tension is left out.
         contact_angle: between wall and surface at rest, measured in the liquid, rad; None where it is not stated.
         initial_swing: of the liquid when the motion begins; None where it is at rest then.
+        frequency_factor: on the frequencies of its modes, which `modes` have: what they are off by.
         turns: whether its container turns about its own axis, which makes yaw modes swing (`scene.turning`).
     """
 
@@ -43,6 +44,7 @@ class Filling:
     contact_angle: float | None = None
     initial_swing: Swing | None = None
     turns: bool = False
+    frequency_factor: float = 1.0
 
     @property
     def oscillators(self) -> tuple[Oscillator, ...]:
@@ -81,6 +83,7 @@ class Tolerance:
         mass: relative, either side, of the empty container or of the solid.
         pinned: whether the contact line may be pinned as well as free.
         contact_angle: either side, rad.
+        frequency: relative, either side, of all modes of the liquid.
     """
 
     friction: float = 0.0
@@ -90,6 +93,7 @@ class Tolerance:
     mass: float = 0.0
     pinned: bool = False
     contact_angle: float = 0.0
+    frequency: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,7 +59,7 @@ def with_modes(cargo: Cargo, count: int) -> Cargo:
         damping=slowest.damping,
         contact_line=filling.contact_line,
         contact_angle=filling.contact_angle,
-    )
+    ).faster(filling.frequency_factor)
     return replace(cargo, filling=replace(filling, modes=modes))
 
 

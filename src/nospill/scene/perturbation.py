@@ -33,6 +33,7 @@ class Perturbation:
         mass: kg, of the container or the solid; the liquid's follows from its height.
         pinned: whether the contact line is, whatever it is stated as.
         contact_angle: rad, where one is stated.
+        frequency: relative, of all modes of the liquid.
     """
 
     friction: float = 0.0
@@ -42,11 +43,14 @@ class Perturbation:
     mass: float = 0.0
     pinned: bool = False
     contact_angle: float = 0.0
+    frequency: float = 0.0
 
     @property
     def of_liquid(self) -> LiquidOffset:
         """What of it a swing depends on."""
-        return LiquidOffset(self.liquid_height, self.damping, self.position, self.pinned, self.contact_angle)
+        return LiquidOffset(
+            self.liquid_height, self.damping, self.position, self.pinned, self.contact_angle, self.frequency
+        )
 
     def text(self, cargo: Cargo) -> str:
         """In words, for messages: "friction -10 %, fill +2 mm"; empty where nothing differs."""
@@ -65,6 +69,8 @@ class Perturbation:
             parts.append("contact line pinned")
         if self.contact_angle:
             parts.append(f"contact angle {math.degrees(self.contact_angle):+.4g} deg")
+        if self.frequency:
+            parts.append(f"frequency {100 * self.frequency:+.4g} %")
         return ", ".join(parts)
 
 
@@ -121,6 +127,7 @@ def _in_carrier(item: Cargo, by: Perturbation, *, certain: bool, fidelity: Fidel
         damping=float(np.clip(by.damping, low, high)),
         pinned=by.pinned and allowed.pinned,
         contact_angle=float(np.clip(by.contact_angle, -allowed.contact_angle, allowed.contact_angle)),
+        frequency=float(np.clip(by.frequency, -allowed.frequency, allowed.frequency)),
     )
     return perturbed(item, within, fidelity=fidelity)
 
@@ -138,6 +145,7 @@ def _refill(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
     level = filling.liquid_height + by.liquid_height
     line = "pinned" if by.pinned else filling.contact_line
     angle = None if filling.contact_angle is None else filling.contact_angle + by.contact_angle
+    factor = filling.frequency_factor * (1.0 + by.frequency)
     try:
         modes = liquid_modes(
             cargo.container,
@@ -147,7 +155,7 @@ def _refill(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
             damping=min(slowest.damping * by.damping, MOST_DAMPING),
             contact_line=line,
             contact_angle=angle,
-        )
+        ).faster(factor)
     except ScenarioError as error:
         raise ModelError(f"{cargo.name} filled to {1e3 * level:.4g} mm: {error}") from error
     return replace(
@@ -158,6 +166,7 @@ def _refill(cargo: Cargo, filling: Filling, by: Perturbation) -> Filling:
         contact_line=line,
         contact_angle=angle,
         initial_swing=_swing(cargo, filling, by),
+        frequency_factor=factor,
     )
 
 

@@ -22,6 +22,7 @@ class LiquidOffset:
         position: of its container, (x, y), m.
         pinned: whether its contact line is.
         contact_angle: rad.
+        frequency: relative.
     """
 
     liquid_height: float = 0.0
@@ -29,10 +30,13 @@ class LiquidOffset:
     position: tuple[float, float] = (0.0, 0.0)
     pinned: bool = False
     contact_angle: float = 0.0
+    frequency: float = 0.0
 
     def is_near(self, other: LiquidOffset) -> bool:
         """Whether it is the same but for rounding."""
-        ours, theirs = ((own.liquid_height, own.damping, *own.position, own.contact_angle) for own in (self, other))
+        ours, theirs = (
+            (own.liquid_height, own.damping, *own.position, own.contact_angle, own.frequency) for own in (self, other)
+        )
         return self.pinned == other.pinned and bool(np.allclose(ours, theirs, rtol=1e-9, atol=1e-9))
 
 

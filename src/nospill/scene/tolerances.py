@@ -24,6 +24,7 @@ def tolerance_text(tolerance: Tolerance) -> str:
         f"mass +-{100 * tolerance.mass:.4g} %" if tolerance.mass else "",
         "contact line free or pinned" if tolerance.pinned else "",
         f"contact angle +-{math.degrees(tolerance.contact_angle):.4g} deg" if tolerance.contact_angle else "",
+        f"frequency +-{100 * tolerance.frequency:.4g} %" if tolerance.frequency else "",
     )
     return ", ".join(part for part in parts if part)
 

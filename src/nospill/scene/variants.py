@@ -10,6 +10,7 @@ Limits are monotone in some numbers of an object and convex in others; only thei
   frequency changes by more than `FREQUENCY_STEP` between them, as in shallow cups, levels in between as well.
 * contact line: free as stated, and pinned.
 * contact angle: sets the frequency as the level does. Both ends and the middle, and angles in between likewise.
+* frequency: the phase of what swings on. Both ends and the stated one, and `FREQUENCY_STEP` apart in between.
 * damping: two ends, and factors in between where these are more than `DAMPING_STEP` apart.
 * speed of the motion, where a range is stated: of a liquid every one of `MotionRules.speeds`. Of a solid the wrench is
   linear in the square of the speed, and the limits are cones: both ends.
@@ -124,6 +125,7 @@ def liquid_offsets(cargo: Cargo) -> tuple[LiquidOffset, ...]:
 def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Perturbation]:
     levels, between, factors, masses = (0.0,), (), (1.0,), (0.0,)
     angles, between_angles = (0.0,), ()
+    shifts, between_shifts = (0.0,), ()
     owner = _with_liquid(cargo)
     if owner is not None and owner.filling is not None:
         rise, mass = tolerance.liquid_height, tolerance.mass * cargo.empty.mass
@@ -132,17 +134,22 @@ def _corners(cargo: Cargo, tolerance: Tolerance) -> Iterator[Perturbation]:
         angles, between_angles = (
             ((-turn, 0.0, turn), _angles_between(owner, owner.filling, turn)) if turn else (angles, ())
         )
+        most = tolerance.frequency
+        shifts, between_shifts = ((-most, 0.0, most), _shifts_between(most)) if most else (shifts, ())
         factors = _factors(*tolerance.damping, owner.filling.modes.oscillators[0].damping)
         masses = (-mass, mass) if mass else masses
     side = tolerance.position
     places = [(x, y) for x in (-side, side) for y in (-side, side)] if side else [(0.0, 0.0)]
     lines = (False, True) if tolerance.pinned else (False,)
-    for level, factor, place, mass, pinned, angle in product(levels, factors, places, masses, lines, angles):
-        yield Perturbation(-tolerance.friction, level, factor, place, mass, pinned, angle)
+    of_all = product(levels, factors, places, masses, lines, angles, shifts)
+    for level, factor, place, mass, pinned, angle, shift in of_all:
+        yield Perturbation(-tolerance.friction, level, factor, place, mass, pinned, angle, shift)
     for level, factor, pinned in product(between, factors, lines):
         yield Perturbation(-tolerance.friction, level, factor, pinned=pinned)
     for angle, factor, pinned in product(between_angles, factors, lines):
         yield Perturbation(-tolerance.friction, 0.0, factor, pinned=pinned, contact_angle=angle)
+    for shift, factor, pinned in product(between_shifts, factors, lines):
+        yield Perturbation(-tolerance.friction, 0.0, factor, pinned=pinned, frequency=shift)
 
 
 def _with_liquid(cargo: Cargo) -> Cargo | None:
@@ -207,6 +214,13 @@ def _between(frequency: Callable[[float], float], most: float, count: int, fines
         levels = np.interp(wanted, np.array(frequencies)[order], changes[order])
         between += [round(float(level) / finest) * finest for level in levels]
     return tuple(between)
+
+
+def _shifts_between(most: float) -> tuple[float, ...]:
+    """Changes of the frequency between none and the ends of its range, relative, in equal steps."""
+    steps = math.ceil(most / FREQUENCY_STEP - _ROUNDING)
+    inside = [round(most * step / steps, 6) for step in range(1, steps)]
+    return (*(-shift for shift in inside), *inside)
 
 
 def _slowest(cargo: Cargo, filling: Filling) -> float:

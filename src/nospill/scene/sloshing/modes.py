@@ -179,6 +179,17 @@ class SloshModes:
         ]
         return read_only(self.quasi_static_gain - carried)
 
+    def faster(self, factor: float) -> SloshModes:
+        """The same liquid with all its frequencies times a factor: an error of the model, whatever makes it."""
+        if factor == 1.0:
+            return self
+
+        def changed(modes: tuple[Oscillator, ...]) -> tuple[Oscillator, ...]:
+            return tuple(replace(mode, frequency=factor * mode.frequency) for mode in modes)
+
+        yaw = None if self.yaw is None else replace(self.yaw, oscillators=changed(self.yaw.oscillators))
+        return replace(self, oscillators=changed(self.oscillators), yaw=yaw)
+
     def with_oscillators(self, oscillators: tuple[Oscillator, ...]) -> SloshModes:
         """The same liquid with other modal masses; the fixed part leaves its mass, centre and inertia as they were."""
 
