@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from nospill.certification.certificate import judge_motion
 from nospill.certification.verdict import Trace
 from nospill.drawing.geometry import wall_thickness
 from nospill.drawing.surfaces import liquid_surface
@@ -213,3 +214,27 @@ def test_leaning_liquid_with_surface_tension_rises_as_the_judge_has_it(line: Con
     surface = liquid_surface(dataclasses.replace(first, container=vial, filling=filling))
     assert surface.wall[:, -2:] == pytest.approx(-np.diag(modes.static_correction))
     assert modes.static_correction[0] > 0.0
+
+
+def test_the_surface_of_second_order_is_drawn_as_it_is_judged(tilting_film: Film) -> None:
+    """Crest and colour are the judge's, after the end too; the middle rises as well, and no volume is made."""
+    whole = tilting_film.plan
+    scene = dataclasses.replace(
+        whole.scene,
+        motion=dataclasses.replace(whole.scene.motion, slosh_height="second order"),
+        cargo=whole.scene.cargo[:1],
+    )
+    judgement = judge_motion(whole.trajectory, scene)
+    film = make_film(
+        dataclasses.replace(whole, scene=scene), judgement, rate=judgement.replay.rate, length=whole.duration + 0.2
+    )
+    (cargo,), (trace,) = scene.cargo, height_traces(film).values()
+    surface, track = liquid_surface(cargo, "second order"), film.liquids[cargo.name]
+    moving = slice(0, len(film.judgement.replay.t))
+    assert track.height[moving] == pytest.approx(trace.value, abs=1e-6)
+    drawn = np.max((track.coordinates @ surface.basis.T)[:, -surface.around :], axis=1)
+    np.testing.assert_allclose(drawn, track.height, atol=0.01 * np.max(track.height))
+    linear = surface.crest(track.coordinates)
+    assert trace.linear is not None and linear[moving] == pytest.approx(trace.linear, abs=1e-9)
+    assert np.max(np.abs(linear - track.height)) > 0.02 * np.max(linear)
+    assert np.max(np.abs((track.coordinates @ surface.basis.T)[:, 0])) > 1e-4

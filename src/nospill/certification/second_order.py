@@ -49,6 +49,16 @@ def crests_of_second_order(
 ) -> np.ndarray:
     """Greatest heights (m,) round the wall of a cylinder, or in the corners of a box, above the rest level, m.
 
+    Arguments as of `second_order_surface`.
+    """
+    return second_order_surface(cargo, body, displacement, velocity, step)[0]
+
+
+def second_order_surface(
+    cargo: Cargo, body: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, step: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """These heights, and what the second order adds in each of its modes (m, J), m.
+
     Args:
         cargo: whose liquid, at full fidelity.
         body: (9, m) of the tray, as `Replay.body`.
@@ -71,7 +81,7 @@ def crests_of_second_order(
             np.all(np.abs(modes.wall) > (1 - 1e-9) * half, axis=1)
         )  # no yaw mode is higher elsewhere
     surface = linear @ (modes.wall[where] / half).T + added @ modes.wall_shape[where].T
-    return np.max(surface, axis=1) + yaw
+    return np.max(surface, axis=1) + yaw, added
 
 
 def _linear_heights(filling: Filling, body: np.ndarray, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -115,7 +115,11 @@ class SceneBuilder:
         self._links = arm_bodies(scene.robot, self._chain, scene.tray)
         self._frames = self._chain.frames(film.joint_position)
         self._board = board(scene.tray.size, TRAY_THICKNESS)
-        self._surfaces = {item.name: liquid_surface(item) for item in scene.cargo if item.filling is not None}
+        self._surfaces = {
+            item.name: liquid_surface(item, scene.motion.slosh_height)
+            for item in scene.cargo
+            if item.filling is not None
+        }
         self._path = _path_bodies(followed_line(film)) if path else []
         around = [mesh for item in scene.obstacles if (mesh := obstacle_mesh(item)) is not None]
         # like glass, so that nothing is hidden behind them

@@ -15,8 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from nospill.drawing.geometry import Mesh, drawn_section, half_width, shrunk, wall_thickness
+from nospill.potential_flow import driven_shapes
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.footprints import Footprint
+from nospill.scene.heights import HeightOrder, to_second_order
 from nospill.scene.sloshing.modes import WALL_POINTS
 from nospill.scene.sloshing.yaw_modes import mode_shapes, zhukovsky_potential
 
@@ -35,7 +37,8 @@ class LiquidSurface:
         upper: (u,) indices of the vertices on the free surface.
         points: (u, 2) where in the liquid these are, m: out to the true wall.
         basis: (u, k + 2): rise in m of every upper vertex per slosh coordinate (k, in the order of the trajectory) and
-            per lean of the apparent gravity along x and y; of a box that turns a column more, per alpha_z/a_z, 1/m.
+            per lean of the apparent gravity along x and y; of a box that turns a column more, per alpha_z/a_z, 1/m;
+            then one for each mode of the second order, where that is drawn.
         wall: (2, k + 2): the same at the wall on the positive side of x and of y; of a box that turns nine rows more,
             of its yaw modes at places of its wall.
         section: of the container at rest level, whose edge the wall follows.
@@ -69,8 +72,8 @@ class LiquidSurface:
         return self.basis @ coordinates
 
     def crest(self, coordinates: np.ndarray) -> np.ndarray:
-        """Greatest height round the wall, (m,) m, as `slosh.height` bounds it, from (m, k + 2)."""
-        along, yaw = np.split((coordinates @ self.wall.T).T, [2])
+        """Greatest height round the wall, (m,) m, as `slosh.height` bounds it, from (m, k + 2): the linear one."""
+        along, yaw = np.split((coordinates[:, : self.wall.shape[1]] @ self.wall.T).T, [2])
         vectors = self.section.crest_vectors(along)
         height = np.max([np.linalg.norm(np.atleast_2d(vector), axis=0) for vector in vectors], axis=0)
         return height + np.max(np.abs(yaw), axis=0, initial=0.0)
@@ -90,8 +93,8 @@ class LiquidSurface:
         return moved
 
 
-def liquid_surface(cargo: Cargo) -> LiquidSurface:
-    """The surface of the liquid in an object.
+def liquid_surface(cargo: Cargo, order: HeightOrder = "linear") -> LiquidSurface:
+    """The surface of the liquid in an object, to the order to which the scene judges heights.
 
     Raises:
         ValueError: there is no liquid in it.
@@ -118,11 +121,12 @@ def liquid_surface(cargo: Cargo) -> LiquidSurface:
     flat = np.concatenate([np.zeros((1, 2)), *[radius * drawn for radius in radii], drawn])
     upper = np.column_stack([flat, np.full(len(flat), level)])
     lower = [np.column_stack([ring, np.full(count, height)]) for ring, height in sides]
+    added = [driven_shapes(container, true)] if to_second_order(cargo, order) else []
     return LiquidSurface(
         rest=Mesh(np.concatenate([upper, *lower]), _faces(count, len(sides))),
         upper=np.arange(len(flat)),
         points=true,
-        basis=_basis(cargo, section, true),
+        basis=np.column_stack([_basis(cargo, section, true), *added]),
         wall=_wall(cargo, section),
         section=section,
         floor=floor,

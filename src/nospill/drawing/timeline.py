@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import casadi as ca
@@ -11,6 +11,7 @@ import numpy as np
 
 from nospill.certification.certificate import Judgement
 from nospill.certification.replay import Replay
+from nospill.certification.second_order import second_order_surface
 from nospill.core.frames import SX, body_motion
 from nospill.core.trees import constants
 from nospill.drawing.surfaces import liquid_surface
@@ -18,10 +19,11 @@ from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.laws.sample import object_motion
 from nospill.laws.scene_parameters import numbers_of, structure_of
-from nospill.laws.slosh.residual import free_motion
+from nospill.laws.slosh.residual import free_motion, free_states
 from nospill.plans.approach import judged
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
+from nospill.scene.heights import to_second_order
 from nospill.scene.scene import Scene
 
 
@@ -30,7 +32,8 @@ class LiquidTrack:
     """One liquid over the pictures.
 
     Attributes:
-        coordinates: (m, k + 2 or 3) slosh coordinates in m and leans of the apparent gravity, for `LiquidSurface`.
+        coordinates: (m, k + 2 or 3) slosh coordinates in m and leans of the apparent gravity, then what the second
+            order adds, m, where heights are judged to it; for `LiquidSurface`.
         height: (m,) greatest rise round the wall, m.
         limit: m.
     """
@@ -123,7 +126,9 @@ def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | 
         tray_position=played.tray.position[picked],
         tray_rotation=played.tray.rotation[picked],
         specific_force=played.body[6:9, picked].T,
-        liquids=_liquids(scene, _coordinates(scene, played, picked, after), leans),
+        liquids=_to_order(
+            _liquids(scene, _coordinates(scene, played, picked, after), leans), scene, played, picked, after
+        ),
         contact_use=_contact_use(judgement, scene, picked),
     )
 
@@ -144,6 +149,32 @@ def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[s
         height = liquid_surface(cargo).crest(together)
         tracks[cargo.name] = LiquidTrack(together, height, cargo.filling.max_slosh_height)
     return tracks
+
+
+def _to_order(
+    liquids: dict[str, LiquidTrack], scene: Scene, played: Replay, picked: np.ndarray, after: np.ndarray
+) -> dict[str, LiquidTrack]:
+    """The same with what the second order adds, of the liquids that are judged to it."""
+    step = 1.0 / played.rate
+    later = step * np.arange(1, int(np.ceil(np.max(after) * played.rate)) + 1)
+    rest = np.concatenate([np.zeros(6), played.body[6:, -1]])[:, None]
+    body = np.concatenate([played.body, np.repeat(rest, len(later), axis=1)], axis=1)
+    at = picked + np.rint(after * played.rate).astype(int)
+    found = dict(liquids)
+    for cargo, part in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True):
+        if not to_second_order(cargo, scene.motion.slosh_height):
+            continue
+        modes = [(mode.frequency, mode.damping) for mode in cargo.oscillators for _ in mode.directions]
+        frequency, damping = np.array(modes).T
+        during = played.slosh_displacement[:, part], played.slosh_velocity[:, part]
+        free = free_states(frequency, damping, during[0][-1], during[1][-1], later)
+        q, qd = (np.concatenate(both) for both in zip(during, free, strict=True))
+        crests, added = second_order_surface(cargo, body, q, qd, step)
+        track = liquids[cargo.name]
+        found[cargo.name] = replace(
+            track, coordinates=np.column_stack([track.coordinates, added[at]]), height=crests[at]
+        )
+    return found
 
 
 def _coordinates(scene: Scene, played: Replay, picked: np.ndarray, after: np.ndarray) -> np.ndarray:

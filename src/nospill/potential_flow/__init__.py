@@ -1,5 +1,6 @@
 """Potential flow of the liquid in an upright prism on a moving tray: to the first and second order, and in full."""
 
+from nospill.potential_flow.basin import driven_shapes as driven_shapes
 from nospill.potential_flow.courses import BodyRows as BodyRows
 from nospill.potential_flow.crests import Crests as Crests
 from nospill.potential_flow.crests import SecondOrder as SecondOrder

@@ -13,8 +13,10 @@ from nospill.potential_flow.bessel import slope_root
 from nospill.potential_flow.surface_modes import (
     SurfaceModes,
     disc_modes,
+    disc_shapes,
     disc_waves,
     rectangle_modes,
+    rectangle_shapes,
     rectangle_waves,
 )
 from nospill.scene.cargo import Cargo, Filling
@@ -98,14 +100,30 @@ def driven_basin(cargo: Cargo) -> Basin:
     return _filled(_driven_modes(cargo.container), _filling(cargo))
 
 
+def driven_shapes(container: Container, points: np.ndarray) -> np.ndarray:
+    """Shapes (P, J) of the modes of `driven_basin` at points (P, 2) of the surface, m from its middle."""
+    waves = _driven_waves(container)
+    if isinstance(container, Cylinder):
+        return disc_shapes(container.radius, waves, points)
+    assert isinstance(container, Box)  # as `unsupported` asks for
+    return rectangle_shapes((container.length, container.width), waves, points)
+
+
+def _driven_waves(container: Container) -> list[tuple[int, int]]:
+    if isinstance(container, Cylinder):
+        return [wave for wave in disc_waves(COARSE * slope_root(1, 1)) if wave[0] <= 2]
+    assert isinstance(container, Box)  # as `unsupported` asks for
+    sides = container.length, container.width
+    return rectangle_waves(sides, COARSE * math.pi / max(sides) * (1 + 1e-9))
+
+
 @lru_cache(maxsize=32)
 def _driven_modes(container: Container) -> SurfaceModes:
+    waves = _driven_waves(container)
     if isinstance(container, Cylinder):
-        waves = disc_waves(COARSE * slope_root(1, 1))
-        return disc_modes(container.radius, [wave for wave in waves if wave[0] <= 2])
-    assert isinstance(container, Box)  # `unsupported` says so
-    sides = container.length, container.width
-    return rectangle_modes(sides, rectangle_waves(sides, COARSE * math.pi / max(sides) * (1 + 1e-9)))
+        return disc_modes(container.radius, waves)
+    assert isinstance(container, Box)  # as `unsupported` asks for
+    return rectangle_modes((container.length, container.width), waves)
 
 
 def linear_basin(cargo: Cargo) -> Basin:

@@ -117,6 +117,22 @@ def disc_modes(radius: float, waves: list[tuple[int, int]]) -> SurfaceModes:
     )
 
 
+def disc_shapes(radius: float, waves: list[tuple[int, int]], points: np.ndarray) -> np.ndarray:
+    """Shapes (P, J) of `disc_modes` at points (P, 2), m."""
+    r, angle = np.hypot(*points.T), np.arctan2(points[:, 1], points[:, 0])
+    columns = []
+    for diameters, circle in waves:
+        root = slope_root(diameters, circle)
+        radial = bessel(diameters, root * r / radius) / float(bessel(diameters, root))
+        columns += [radial * np.cos(diameters * angle - turn) for turn in (0.0, np.pi / 2)[: 1 + (diameters > 0)]]
+    return np.stack(columns, axis=1)
+
+
+def rectangle_shapes(sides: tuple[float, float], waves: list[tuple[int, int]], points: np.ndarray) -> np.ndarray:
+    """Shapes (P, J) of `rectangle_modes` at points (P, 2), m."""
+    return _cosines(sides, waves, points)[0]
+
+
 def rectangle_waves(sides: tuple[float, float], largest: float) -> list[tuple[int, int]]:
     """Half waves (m, n) along x and y of the modes with a wave number up to `largest`, 1/m; not the level surface."""
     most = [int(largest * side / math.pi) for side in sides]

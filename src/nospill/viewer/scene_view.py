@@ -22,6 +22,7 @@ from nospill.drawing.timeline import Film
 from nospill.drawing.views import CLOSE, View, camera_frame
 from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
+from nospill.scene.heights import HeightOrder
 from nospill.scene.tray import TRAY_THICKNESS, Tray
 from nospill.viewer.gravity import against, arrow, free_spot
 from nospill.viewer.names import ABOVE_RIM, Letters, title_height
@@ -51,7 +52,14 @@ class TrayView:
     """
 
     def __init__(
-        self, scene: viser.SceneApi, tray: Tray, *, cargo: Sequence[Cargo], root: str, names: str | None = None
+        self,
+        scene: viser.SceneApi,
+        tray: Tray,
+        *,
+        cargo: Sequence[Cargo],
+        root: str,
+        names: str | None = None,
+        order: HeightOrder = "linear",
     ) -> None:
         """Add the nodes.
 
@@ -62,7 +70,9 @@ class TrayView:
             root: name of the tray frame's node, which must exist.
             names: of a node that does not move, which the names of the objects hang below where the tray moves; they
                 are then placed by `place_names`. The browser draws a name where its parent was one picture ago.
+            order: of the surfaces of the liquids.
         """
+        self._order: HeightOrder = order
         self.surfaces: dict[str, LiquidSurface] = {}
         self._liquids: dict[str, viser.MeshHandle] = {}
         self._collars: dict[str, viser.MeshHandle] = {}
@@ -96,7 +106,7 @@ class TrayView:
                 scene, f"{root}/contact", contact_collar(cargo.container), color=_colour(0.0), cast_shadow=False
             )
         if cargo.filling is not None:
-            surface = liquid_surface(cargo)
+            surface = liquid_surface(cargo, self._order)
             self.surfaces[cargo.name] = surface
             self._liquids[cargo.name] = add_mesh(
                 scene, f"{root}/liquid", surface.rest, color=_colour(0.0), cast_shadow=False, receive_shadow=False
@@ -259,7 +269,8 @@ class PlanView:
             wxyz=(np.cos(half), 0.0, 0.0, np.sin(half)),
         )
         scene.add_frame(f"{root}/names", show_axes=False)
-        self.tray = TrayView(scene, whole.tray, cargo=whole.cargo, root=tray_node, names=f"{root}/names")
+        names, order = f"{root}/names", whole.motion.slosh_height
+        self.tray = TrayView(scene, whole.tray, cargo=whole.cargo, root=tray_node, names=names, order=order)
         self._paths = add_path(scene, f"{world}/path", followed_line(film))
         add_surroundings(scene, f"{world}/around", whole)
         self._above = np.array([0.0, 0.0, title_height(film)])

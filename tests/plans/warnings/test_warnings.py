@@ -356,3 +356,14 @@ def test_doubts_about_the_arm_are_warnings(changed_scene: Any) -> None:
     robot = replace(scene.robot, doubts=(Doubt("tip", "flange", "it lies square."),))
     told = list(doubts(SimpleNamespace(scene=replace(scene, robot=robot))))  # type: ignore[arg-type]
     assert told == [PlanWarning("tip", "flange", "it lies square.")]
+
+
+def test_a_crest_of_second_order_is_not_called_linear(found, judgement: Judgement) -> None:
+    rows = tuple(
+        replace(row, worst_value=0.0118, linear_value=0.01) if row.id == ("slosh height", "cup") else row
+        for row in judgement.certificate.rows
+    )
+    warning = found(certificate=replace(judgement.certificate, rows=rows))["crest", "cup"]
+    assert "second order is believed" in warning.text and "linear" not in warning.text
+    raised = replace(judgement, certificate=replace(judgement.certificate, rows=rows))
+    assert list(slower_warnings(read_scenario(NAME), raised, (), None)) == []

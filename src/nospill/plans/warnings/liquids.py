@@ -53,14 +53,20 @@ def _mm(length: float) -> str:
 
 
 def crest(facts: Facts) -> Iterator[PlanWarning]:
-    """The liquid rises beyond what a linear surface is believed for."""
+    """The liquid rises beyond what its surface is believed for."""
+    to_order = {row.subject for row in facts.judgement.certificate.rows if row.linear_value is not None}
     for cargo, filling, value in _crests(facts):
         side = float(np.min(cargo.container.section(filling.liquid_height).half_lengths))
         limit = LINEAR_CREST * side
         if value > limit:
+            believed = (
+                "the flow of second order is believed, see nospill verify DIR --water"
+                if cargo.name in to_order
+                else "the linear slosh model is believed"
+            )
             text = (
                 f"the crest rises {_mm(value)}, more than a third of the radius or half side ({_mm(limit)}), up to "
-                "which the linear slosh model is believed; a smaller max_slosh_height keeps to it."
+                f"which {believed}; a smaller max_slosh_height keeps to it."
             )
             yield PlanWarning("crest", cargo.name, text, value, limit)
 
