@@ -22,8 +22,8 @@ import sys
 import tempfile
 import time
 import zipfile
-from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Iterator
+from concurrent.futures import Executor, as_completed
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,8 @@ import numpy as np
 
 from benchmarks.campaign.lines import Lines
 from benchmarks.campaign.process import Job, run_job
+from nospill.errors import NospillError
+from nospill.sweeps.executors import cluster, this_machine
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PAGE = REPOSITORY / "docs" / "reliability.md"
@@ -58,13 +60,16 @@ def main(words: list[str] | None = None) -> None:
             job = Job(arguments.only, limit, str(folder), starts=starts, table=table, compiled=arguments.compiled)
             print(json.dumps(run_job(job), indent=1))
         return
-    with Lines.writer(arguments.out) as lines, package(live=arguments.live) as folder:
+    with (
+        Lines.writer(arguments.out) as lines,
+        package(live=arguments.live) as folder,
+        executor(arguments.jobs, arguments.scheduler) as where,
+    ):
         shared = None if arguments.scheduler else str(folder)
         jobs = _wanted(lines, arguments, shared)
-        run = on_cluster(arguments.scheduler) if arguments.scheduler else on_this_machine(arguments.jobs)
         began, commit = time.perf_counter(), _commit()
         print(f"{len(jobs)} to do, {len(lines.cases)} cases there", file=sys.stderr, flush=True)
-        for number, line in enumerate(run(jobs), start=1):
+        for number, line in enumerate(done(where, jobs), start=1):
             lines.append(line | {"commit": commit, "compiled": arguments.compiled})
             said = line.get("reason") or line.get("duration_s") or len(line.get("starts_from", ()))
             spent = time.perf_counter() - began
@@ -116,49 +121,35 @@ def starts_seeds(cases: dict[int, dict[str, Any]], count: int) -> list[int]:
     return sorted(open_cases, key=lambda seed: np.random.default_rng([_STARTS_SEED, seed]).random())[:count]
 
 
-def on_this_machine(count: int) -> Callable[[list[Job]], Iterator[dict[str, Any]]]:
-    """Run `count` processes at a time; lines come as they are done."""
-
-    def run(jobs: list[Job]) -> Iterator[dict[str, Any]]:
-        with ThreadPoolExecutor(count) as pool:
-            futures = [pool.submit(run_job, job) for job in jobs]
-            try:
-                for future in as_completed(futures):
-                    yield future.result()
-            finally:  # stopped by hand: what has not begun is dropped
-                pool.shutdown(wait=False, cancel_futures=True)
-
-    return run
-
-
-def on_cluster(address: str) -> Callable[[list[Job]], Iterator[dict[str, Any]]]:
-    """The same on a Dask cluster: its workers get the package `benchmarks` and start the same processes.
+@contextmanager
+def executor(jobs: int, scheduler: str | None = None) -> Iterator[Executor]:
+    """Where jobs run: so many at a time here, or on a Dask cluster whose workers get the package `benchmarks`.
 
     Raises:
-        SystemExit: Dask is not installed, or nobody answers at the address.
+        SystemExit: the cluster cannot be used.
     """
     try:
-        from dask.distributed import Client  # pyright: ignore[reportMissingImports]
-        from dask.distributed import as_completed as completed  # pyright: ignore[reportMissingImports]
-    except ImportError:
-        raise SystemExit("--scheduler needs Dask: pip install distributed") from None
+        if scheduler is None:
+            with this_machine(jobs, lambda: None) as here:
+                yield here
+        else:
+            with (
+                tempfile.TemporaryDirectory() as folder,
+                cluster(scheduler, packages=[archived(Path(folder))]) as there,
+            ):
+                yield there
+    except NospillError as error:
+        raise SystemExit(str(error)) from None
 
-    def run(jobs: list[Job]) -> Iterator[dict[str, Any]]:
+
+def done(executor: Executor, jobs: list[Job]) -> Iterator[dict[str, Any]]:
+    """The lines of jobs, as they are done; a worker that dies must not end the campaign."""
+    futures = {executor.submit(run_job, job): job for job in jobs}
+    for future in as_completed(futures):
         try:
-            client = Client(address)
-        except OSError as error:
-            raise SystemExit(f"--scheduler {address}: nobody answers there ({error})") from None
-        with client:
-            with tempfile.TemporaryDirectory() as folder:
-                client.upload_file(str(archived(Path(folder))))
-            futures = {client.submit(run_job, job, pure=False, retries=1): job for job in jobs}
-            for future in completed(futures):
-                try:
-                    yield future.result()
-                except Exception as error:  # a worker that died twice must not end the campaign
-                    yield {"seed": futures[future].seed, "kind": "crash", "reason": f"worker: {error!r}"}
-
-    return run
+            yield future.result()
+        except Exception as error:
+            yield {"seed": futures[future].seed, "kind": "crash", "reason": f"worker: {error!r}"}
 
 
 def archived(folder: Path) -> Path:

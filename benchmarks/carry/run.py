@@ -18,7 +18,7 @@ from pathlib import Path
 
 from benchmarks.campaign.lines import Lines
 from benchmarks.campaign.process import Job, run_job
-from benchmarks.campaign.run import REPOSITORY, on_this_machine, package
+from benchmarks.campaign.run import REPOSITORY, done, executor, package
 from benchmarks.carry.draw import PROBLEMS, read_problems
 from benchmarks.carry.report import write_page
 from nospill.core.batches import thread_count
@@ -47,7 +47,7 @@ def main(words: list[str] | None = None) -> None:
         if arguments.only is not None:
             print(json.dumps(run_job(jobs[arguments.only]), indent=1))
             return
-        with Lines.writer(arguments.out) as lines:
+        with Lines.writer(arguments.out) as lines, executor(arguments.jobs) as where:
             wanted = [
                 job
                 for seed, job in jobs.items()
@@ -56,7 +56,7 @@ def main(words: list[str] | None = None) -> None:
             commit = subprocess.run(
                 ["git", "-C", str(REPOSITORY), "rev-parse", "--short", "HEAD"], capture_output=True, text=True
             ).stdout.strip()
-            for number, line in enumerate(on_this_machine(arguments.jobs)(wanted), start=1):
+            for number, line in enumerate(done(where, wanted), start=1):
                 known = problems[line["seed"]]
                 head = {key: known[key] for key in _KEPT} | {"structure": structure(known["table"])}
                 lines.append(

@@ -67,32 +67,10 @@ def test_lines_are_kept_and_found_again(tmp_path: Path) -> None:
     assert Lines.read(packed) == Lines.read(file)
 
 
-def test_half_a_line_of_a_killed_run_is_cut_off(tmp_path: Path) -> None:
-    file = tmp_path / "campaign.jsonl"
-    file.write_bytes(json.dumps(line(0)).encode() + b'\n{"seed": 1, "ki')
-    assert [found["seed"] for found in Lines.read(file)] == [0]
-    with Lines.writer(file) as lines:
-        lines.append(line(1))
-    assert [found["seed"] for found in Lines.read(file)] == [0, 1]
-
-
 def test_one_campaign_a_file(tmp_path: Path) -> None:
     file = tmp_path / "campaign.jsonl"
-    with Lines.writer(file), pytest.raises(SystemExit, match="another campaign is writing"), Lines.writer(file):
+    with Lines.writer(file), pytest.raises(SystemExit, match="another run is writing"), Lines.writer(file):
         pass
-
-
-def test_a_full_disk_leaves_whole_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = tmp_path / "campaign.jsonl"
-    write = os.write
-    with Lines.writer(file) as lines:
-        lines.append(line(0))
-        monkeypatch.setattr(os, "write", lambda descriptor, data: write(descriptor, data[:20]))
-        with pytest.raises(OSError, match="only a part"):
-            lines.append(line(1))
-        monkeypatch.undo()
-        lines.append(line(2))
-    assert [found["seed"] for found in Lines.read(file)] == [0, 2]
 
 
 @pytest.mark.slow
@@ -269,11 +247,10 @@ def test_a_worker_starts_cases_from_the_archive_it_was_sent(tmp_path: Path) -> N
     run_python("-m", "benchmarks.campaign.case", "--help", cwd=tmp_path, env=environment, check=True)
 
 
-def test_without_dask_one_line_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "dask", None)
-    monkeypatch.setitem(sys.modules, "dask.distributed", None)
-    with pytest.raises(SystemExit, match="pip install distributed"):
-        campaign.on_cluster("tcp://nowhere:1")
+def test_a_cluster_that_is_not_there_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(SystemExit, match=r"install nospill\[cluster\]"), campaign.executor(1, "tcp://nowhere:1"):
+        pass
 
 
 def test_report_counts_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

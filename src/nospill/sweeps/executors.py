@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
+from pathlib import Path
 
 from nospill.core.units import as_written
 from nospill.errors import ClusterError, MissingExtraError, ScenarioError
@@ -38,13 +40,14 @@ def this_machine(jobs: int, stop: Callable[[], None]) -> Iterator[Executor]:
 
 
 @contextmanager
-def cluster(address: str) -> Iterator[Executor]:
+def cluster(address: str, *, packages: Sequence[Path] = ()) -> Iterator[Executor]:
     """The workers of a Dask scheduler; those that come later join.
 
     Compiled functions of this machine are sent to every worker once, as it comes.
 
     Args:
         address: of the scheduler, as tcp://host:8786.
+        packages: archives from which the workers import besides, as what they are to run may.
 
     Raises:
         MissingExtraError: dask.distributed is not installed.
@@ -66,9 +69,13 @@ def cluster(address: str) -> Iterator[Executor]:
             f"--scheduler {address}: nobody answers there ({reason}); start one with `dask scheduler` and give the "
             "address that it prints"
         ) from None
+    # Where a scheduler goes away it would print what it tries in vain; the error says it in one line.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     with client:
         require_alike(client, address, patience=_PATIENCE)
         client.register_plugin(sent_functions())
+        for archive in packages:
+            client.upload_file(str(archive))
         yield client.get_executor(pure=False)
 
 
