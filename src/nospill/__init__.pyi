@@ -30,12 +30,14 @@ from nospill.planning.retiming import retime as retime
 from nospill.plans.loading import load_plan as load_plan
 from nospill.plans.plan import Plan as Plan
 from nospill.plans.rows import with_residual_slosh as with_residual_slosh
+from nospill.plans.state import MotionState as MotionState
 from nospill.scenario import approach_entry as _approach
 from nospill.scenario import arrays as _arrays
 from nospill.scenario import capsule_entry as _capsules
 from nospill.scenario import cargo_entries as _cargo
 from nospill.scenario import controller_entry as _controller
 from nospill.scenario import free_path_entry as _free
+from nospill.scenario import initial_state_entry as _initial
 from nospill.scenario import model as _model
 from nospill.scenario import place_entry as _places
 from nospill.scenario import robot_entry as _robot
@@ -72,6 +74,7 @@ Cylinder = _cargo.CylinderTable
 Liquid = _cargo.LiquidTable
 Profile = _cargo.ProfileTable
 RoundFlask = _cargo.RoundFlaskTable
+InitialState = _initial.InitialStateTable
 Swing = _swing.SwingTable
 VariantSwing = _swing.VariantSwingTable
 Tapered = _cargo.TaperedTable

@@ -18,8 +18,16 @@ _PIECES = 4000
 
 def between_samples(trajectory: Trajectory, played: Replay) -> np.ndarray:
     """Recorded s, theta_x and theta_y (3, m) on the grid of the replay, by the spline that the joints are played by."""
-    columns = np.column_stack([trajectory.s, trajectory.tilt])
-    return QUINTIC_SPLINE.motion(JointSamples(trajectory.t, columns))(played.t).T
+    columns, rates, changes = (
+        np.column_stack([along, tilt])
+        for along, tilt in (
+            (trajectory.s, trajectory.tilt),
+            (trajectory.s_rate, trajectory.tilt_rate),
+            (trajectory.s_acceleration, trajectory.tilt_acceleration),
+        )
+    )
+    samples = JointSamples(trajectory.t, columns, rates, changes, trajectory.in_motion)
+    return QUINTIC_SPLINE.motion(samples)(played.t).T
 
 
 def played_offset(trajectory: Trajectory, scene: Scene, played: Replay) -> tuple[np.ndarray, np.ndarray]:

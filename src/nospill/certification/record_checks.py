@@ -6,6 +6,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
+from nospill.certification.joining import PROGRESS_TOLERANCE, ends_apart, joining_traces
 from nospill.certification.path_deviation import between_samples
 from nospill.certification.plausibility import require_level, unlikely_units
 from nospill.certification.replay import Replay
@@ -39,8 +40,6 @@ for speeds: a corner of that size is rounded by so much."""
 TOLERANCE_RATE = 500.0
 """Hz; where samples are farther apart, the spline rounds more: its derivatives are allowed to differ by the square of
 the period for speeds, and by the period for accelerations."""
-PROGRESS_TOLERANCE = 1e-9
-"""The path parameter runs from 0 to 1 within this."""
 
 _QUATERNION_TOLERANCE = 1e-6
 _COLUMNS = (
@@ -166,9 +165,8 @@ def record_traces(bare: Trajectory, trajectory: Trajectory, scene: Scene, played
     planned = between_samples(trajectory, played)
     speed = np.max(np.abs(played.joint_speed[::per_sample] - trajectory.joint_speed), axis=1)
     acceleration = columns_apart(trajectory.joint_acceleration, played.joint_acceleration, per_sample)
-    recorded, ends = (np.max(np.abs(speeds[[0, -1]]), axis=1) for speeds in (bare.joint_speed, played.joint_speed))
+    progress, recorded, ends = ends_apart(bare, played, scene)
     jump = max(SPEED_TOLERANCE, REST_SHARE * float(np.min(scene.robot.max_speed)))
-    progress = np.abs([bare.s[0], bare.s[-1] - 1.0])
     both = bare.t[[0, -1]]
     uneven = np.abs(np.diff(trajectory.t) * scene.output_rate - 1.0)
     coarser = max(1.0, TOLERANCE_RATE / trajectory.rate)
@@ -181,6 +179,7 @@ def record_traces(bare: Trajectory, trajectory: Trajectory, scene: Scene, played
         *(_level_traces(planned, played) if scene.stays_level else []),
         *_path_traces(planned, scene, played),
         *_end_traces(scene, played),
+        *(joining_traces(bare, scene, scene.initial_state) if scene.initial_state else ()),
         limit_trace("path covered", "path", "1", PROGRESS_TOLERANCE, both, progress),
         limit_trace("rest at the ends", "joints", "rad/s", SPEED_TOLERANCE, both, recorded),
         limit_trace("rest as played", "joints", "rad/s", jump, both, ends),
@@ -257,7 +256,9 @@ def _joint_curve_traces(s: np.ndarray, scene: Scene, curve: JointCurve, played: 
 
 def _end_traces(scene: Scene, played: Replay) -> list[Trace]:
     """The trace of joints that the scenario states for the ends of the motion, where it does."""
-    stated = [(at, q) for at, q in zip((0, -1), scene.path.ends, strict=True) if q is not None]
+    left_open = scene.initial_state is not None, scene.motion.stop
+    ends = zip((0, -1), scene.path.ends, left_open, strict=True)
+    stated = [(at, q) for at, q, is_open in ends if q is not None and not is_open]
     if not stated:
         return []
     gaps = np.array([np.max(np.abs(played.joint_position[at] - q)) for at, q in stated])

@@ -187,12 +187,12 @@ def _by_constraint(names: Sequence[str], rows: np.ndarray) -> Figures:
 
 def control_inputs(trajectory: Trajectory, scene: Scene) -> Inputs:
     """Inputs at `EvaluationPoint.CONTROL`: tilt and its speed (2, m), jerks as in `Sample` (c, m), of joints (n, m)."""
-    chains = [trajectory.s[:, None], *recorded_freedom(trajectory, scene)]
+    chains = np.column_stack([trajectory.s[:, None], *recorded_freedom(trajectory, scene)])
+    progress, joints, angles = _before(trajectory, scene)
     jerks, of_joints = (
-        third_differences(np.column_stack(columns)).T * trajectory.rate**3
-        for columns in (chains, [trajectory.joint_position])
+        third_differences(values, before).T * trajectory.rate**3
+        for values, before in ((chains, progress), (trajectory.joint_position, joints))
     )
-    angles = JointSamples(trajectory.t, trajectory.tilt)
     speed = (
         QUINTIC_SPLINE.motion(angles)(trajectory.t, 1) if np.any(trajectory.tilt) else np.zeros(trajectory.tilt.shape)
     )
@@ -201,12 +201,33 @@ def control_inputs(trajectory: Trajectory, scene: Scene) -> Inputs:
     return t, [tilt.T, speed.T, jerks, of_joints]
 
 
-def third_differences(values: np.ndarray) -> np.ndarray:
-    """Third differences (m + 1, n) of samples (m, n) that stand still before and after.
+def _before(trajectory: Trajectory, scene: Scene) -> tuple[np.ndarray | None, np.ndarray | None, JointSamples]:
+    """What was two periods and one before the first sample (2, n) of the chains and of the joints; tilt as samples.
+
+    None where the motion begins at rest. Before one that begins in motion the first accelerations held already.
+    """
+    if not trajectory.in_motion:
+        return None, None, JointSamples(trajectory.t, trajectory.tilt)
+    since = np.array([[-2.0], [-1.0]]) / trajectory.rate
+    tilt = (trajectory.tilt, trajectory.tilt_rate, trajectory.tilt_acceleration)
+    along = (trajectory.s, trajectory.s_rate, trajectory.s_acceleration)
+    joints = (trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration)
+    beside = [part[0] for part in tilt] if scene.motion.tilt_free else [np.zeros(0)] * 3
+    progress = [np.append(part[0], own) for part, own in zip(along, beside, strict=True)]
+    chains, arm = (
+        value + since * rate + since**2 / 2 * change for value, rate, change in (progress, [part[0] for part in joints])
+    )
+    return chains, arm, JointSamples(trajectory.t, *tilt, in_motion=True)
+
+
+def third_differences(values: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:
+    """Third differences (m + 1, n) of samples (m, n) that stand still after, and before but for two given ones (2, n).
 
     Over the cube of the period each is the mean of the jerk over three periods.
     """
-    padded = np.concatenate([values[:1], values[:1], values, values[-1:], values[-1:]])
+    padded = np.concatenate(
+        [np.repeat(values[:1], 2, axis=0) if before is None else before, values, values[-1:], values[-1:]]
+    )
     return np.diff(padded, n=3, axis=0)
 
 

@@ -46,7 +46,7 @@ def held_samples(samples: JointSamples, rules: MotionRules) -> JointSamples:
         None if column is None else _still_outside(column[rows], before, after)
         for column in (samples.speed, samples.acceleration)
     )
-    return JointSamples(t, position, speed, acceleration)
+    return replace(samples, t=t, position=position, speed=speed, acceleration=acceleration)
 
 
 def held_trajectory(trajectory: Trajectory, rules: MotionRules) -> Trajectory:
@@ -64,7 +64,7 @@ def held_trajectory(trajectory: Trajectory, rules: MotionRules) -> Trajectory:
     columns = {
         field.name: getattr(trajectory, field.name)[rows]
         for field in fields(trajectory)
-        if field.name not in ("t", "joints", "slosh")
+        if field.name not in ("t", "joints", "slosh", "in_motion")
     }
     columns |= {name: _still_outside(columns[name], before, after) for name in _STILL}
     slosh = {

@@ -34,12 +34,14 @@ class JointSamples:
         position: (m, n), rad.
         speed: (m, n), rad/s; None where only positions are known.
         acceleration: (m, n), rad/s^2, or None.
+        in_motion: whether the joints have come to the first sample with its speed and acceleration, and not from rest.
     """
 
     t: np.ndarray
     position: np.ndarray
     speed: np.ndarray | None = None
     acceleration: np.ndarray | None = None
+    in_motion: bool = False
 
     @property
     def rate(self) -> float:
@@ -55,7 +57,8 @@ class Interpolation:
         name: key in the table.
         title: what it is, in one line.
         motion: (samples) -> motion that passes through all of them and stands still before the first and after the
-            last; raises ValueError when the samples lack a column that it needs.
+            last, and of samples in motion goes on from the speed and acceleration of the first; raises ValueError when
+            the samples lack a column that it needs.
     """
 
     name: str
@@ -83,7 +86,11 @@ def _quintic_spline(samples: JointSamples) -> JointMotion:
     t, q = samples.t, samples.position
     hold = np.arange(1, _HOLD_SAMPLES + 1) / samples.rate
     times = np.concatenate([t[0] - hold[::-1], t, t[-1] + hold])
-    padded = np.concatenate([np.repeat(q[:1], len(hold), axis=0), q, np.repeat(q[-1:], len(hold), axis=0)])
+    before = np.repeat(q[:1], len(hold), axis=0)
+    if samples.in_motion and samples.speed is not None and samples.acceleration is not None:
+        since = -hold[::-1, None]
+        before = before + since * samples.speed[0] + since**2 / 2 * samples.acceleration[0]
+    padded = np.concatenate([before, q, np.repeat(q[-1:], len(hold), axis=0)])
     return HeldMotion(interpolating_spline(times, padded, 5), float(t[0]), float(t[-1]))
 
 

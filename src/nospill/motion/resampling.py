@@ -24,7 +24,7 @@ def interpolated(trajectory: Trajectory, t: np.ndarray) -> Trajectory:
     Attitudes are splines of their quaternions, brought to length 1. The liquids of the record are not: at most the
     number of their coordinates can be read of the result.
     """
-    names = [field.name for field in fields(trajectory) if field.name not in ("t", "joints", "slosh")]
+    names = [field.name for field in fields(trajectory) if field.name not in ("t", "joints", "slosh", "in_motion")]
     samples = [np.reshape(getattr(trajectory, name), (len(trajectory.t), -1)) for name in names]
     samples[names.index("tray_quaternion")] = _on_one_side(trajectory.tray_quaternion)
     ends = np.cumsum([column.shape[1] for column in samples])
@@ -53,8 +53,8 @@ def resampled(trajectory: Trajectory, rate: float) -> JointSamples:
     """The motion that a plan's samples stand for, sampled at another rate; nothing is solved again.
 
     Times are whole nanoseconds from 0, as message formats keep them, and the last one is at or behind the end of the
-    plan. The first and the last sample stand still exactly: a controller that is asked for a motion from rest to rest
-    refuses what rounding leaves of a speed.
+    plan. The last sample stands still exactly, and the first one where the motion begins at rest: a controller that is
+    asked for a motion from rest to rest refuses what rounding leaves of a speed.
 
     Args:
         trajectory: the plan's samples.
@@ -65,13 +65,14 @@ def resampled(trajectory: Trajectory, rate: float) -> JointSamples:
     """
     if not LOWEST_RATE <= rate <= HIGHEST_RATE:  # not a number fails too
         raise ScenarioError(f"rate is {rate:g} Hz; allowed are {LOWEST_RATE:g} to {HIGHEST_RATE:g} Hz; try 500")
-    return sampled(trajectory.motion, float(trajectory.t[0]), float(trajectory.t[-1]), rate)
+    times = float(trajectory.t[0]), float(trajectory.t[-1])
+    return sampled(trajectory.motion, *times, rate, in_motion=trajectory.in_motion)
 
 
-def sampled(motion: JointMotion, start: float, stop: float, rate: float) -> JointSamples:
+def sampled(motion: JointMotion, start: float, stop: float, rate: float, *, in_motion: bool = False) -> JointSamples:
     """Samples of a motion from `start` to `stop` in s, as `resampled` makes them of a plan: times from 0."""
     t = np.round(np.arange(math.ceil((stop - start) * rate - _SAME_INSTANT) + 1) / rate * 1e9) / 1e9
     position, speed, acceleration = (motion(start + t, order) for order in range(3))
     for column in (speed, acceleration):
-        column[[0, -1]] = 0.0
-    return JointSamples(t, position, speed, acceleration)
+        column[[-1] if in_motion else [0, -1]] = 0.0
+    return JointSamples(t, position, speed, acceleration, in_motion)

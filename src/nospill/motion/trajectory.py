@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path as FilePath
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,7 +48,7 @@ class SloshTrack:
 
 @dataclass(frozen=True, repr=False)  # without slots: the spline is worked out once
 class Trajectory:
-    """Samples at a fixed rate, from rest to rest; the last ones may already stand still.
+    """Samples at a fixed rate, to rest, and from rest or in motion; the last ones may already stand still.
 
     Attributes:
         t: (m,) s.
@@ -64,6 +65,7 @@ class Trajectory:
         tray_position: (m, 3) tray frame in the base frame, m.
         tray_quaternion: (m, 4), (x, y, z, w), tray to base.
         slosh: per object with liquid.
+        in_motion: whether the first sample is of a motion that began before it.
     """
 
     t: np.ndarray
@@ -80,6 +82,7 @@ class Trajectory:
     tray_position: np.ndarray
     tray_quaternion: np.ndarray
     slosh: dict[str, SloshTrack]
+    in_motion: bool = False
 
     @classmethod
     def of_joints(
@@ -144,8 +147,14 @@ class Trajectory:
 
     @cached_property
     def motion(self) -> JointMotion:
-        """What the joints do: the quintic spline through their positions, at rest before and after."""
-        return QUINTIC_SPLINE.motion(JointSamples(self.t, self.joint_position))
+        """The joints' quintic spline through their positions, at rest outside unless it begins in motion."""
+        return QUINTIC_SPLINE.motion(self.joint_samples)
+
+    @property
+    def joint_samples(self) -> JointSamples:
+        """Its joints as samples."""
+        columns = (self.joint_position, self.joint_speed, self.joint_acceleration)
+        return JointSamples(self.t, *columns, in_motion=self.in_motion)
 
     def __call__(self, t: ArrayLike, order: int = 0) -> np.ndarray:
         """The joints at any time of the motion, as the judge plays them: `motion` within its record.
@@ -323,4 +332,5 @@ def read_trajectory(path: FilePath) -> Trajectory:
         name: SloshTrack(block(f"displacement:{name}"), block(f"velocity:{name}"), block(f"height:{name}")[:, 0])
         for name in slosh
     }
-    return Trajectory(joints=joints, slosh=tracks, **flat, **wide)
+    named: dict[str, Any] = {**flat, **wide}
+    return Trajectory(joints=joints, slosh=tracks, **named)

@@ -15,6 +15,7 @@ from nospill.compiled.codegen import compiles_afterwards
 from nospill.errors import NoSolutionError
 from nospill.laws.constraints.base import Constraint
 from nospill.laws.scene_parameters import structure_of
+from nospill.motion.trajectory import Trajectory
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.path_search.branches import require_free_ends
 from nospill.path_search.candidates import has_free_path
@@ -26,13 +27,14 @@ from nospill.planning.fallbacks import fallbacks, on_path_instead
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
 from nospill.planning.refinement import Judged, certify_by_refinement
-from nospill.planning.request import earlier_plan, ignored_constraints, requested_scene
+from nospill.planning.request import begun_in, earlier_plan, ignored_constraints, requested_scene
 from nospill.planning.search import PassageSearch, Search, find_motion, passage_searches, searcher
 from nospill.planning.task import Task
-from nospill.planning.warm_start import restart, restart_on_branch, start_off_path
+from nospill.planning.warm_start import going_on, restart, restart_on_branch, start_off_path
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
-from nospill.robots.joint_paths.search import JointPath, branch_in_words, preferred_path
+from nospill.plans.state import MotionState
+from nospill.robots.joint_paths.search import JointPath, branch_in_words, path_through, preferred_path
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings
@@ -46,6 +48,8 @@ def plan(
     *,
     constraints: Iterable[Constraint] | None = None,
     warm: Plan | None = None,
+    start: MotionState | None = None,
+    stop: bool = False,
     ignore: Collection[str] | str = (),
     progress: OnProgress | None = None,
 ) -> Plan:
@@ -56,6 +60,9 @@ def plan(
         constraints: limits of your own classes, added to those of the scenario; the plan's scene has them from then on.
         warm: an earlier plan of a similar scene (same robot, tilt and liquids), from which to start instead of
             searching; where that leads nowhere, the search is made all the same.
+        start: the state that the motion goes on from, as `plan.state_at(0.7)` gives it; at rest when left out. Without
+            `warm`, what is left of that plan is where its solution starts from.
+        stop: whether the motion from that state may come to rest anywhere on its path, level and as soon as it can.
         ignore: names of constraints that the optimiser leaves out, to see what they cost. The certificate leaves out
             none.
         progress: called with where planning stands.
@@ -64,22 +71,30 @@ def plan(
         The plan; its status is "uncertified" if a row still fails after the last tightening.
 
     Raises:
-        ScenarioError: no valid scenario describes the scene, the robot cannot follow the path, `ignore` names no
-            constraint, or one of `constraints` is none, is about nothing in the scene or fails.
+        ScenarioError: no valid scenario describes the scene, or none that begins in that state; the robot cannot follow
+            the path, `ignore` names no constraint, or one of `constraints` is none, is about nothing in the scene or
+            fails.
         NoSolutionError: no start led to a motion, no approach to it, or no branch of the arm past the obstacles; names
             what is in the way.
         MissingExtraError: the scene has an approach and ruckig is not installed.
     """
-    scene, warm = requested_scene(scene, constraints), earlier_plan(warm)
+    scene, warm = begun_in(requested_scene(scene, constraints), start, stop=stop), earlier_plan(warm)
     ignored = ignored_constraints(ignore, scene)
-    return _plan(scene, warm=warm, last=None, ignore=ignored, progress=progress)[0]
+    rest = None if start is None else start.rest
+    return _plan(scene, warm=warm, rest=rest, last=None, ignore=ignored, progress=progress)[0]
 
 
 @compiles_afterwards
 def _plan(
-    scene: Scene, *, warm: Plan | None, last: Candidate | None, ignore: Collection[str], progress: OnProgress | None
+    scene: Scene,
+    *,
+    warm: Plan | None,
+    last: Candidate | None,
+    ignore: Collection[str],
+    progress: OnProgress | None,
+    rest: Trajectory | None = None,
 ) -> tuple[Plan, Candidate]:
-    """`plan`, with the candidate that the next one may start from."""
+    """`plan`, with the candidate that the next one may start from; `rest` is what is left of the motion before."""
     require_ruckig_if_needed(scene)
     log = Log(progress, scene.planning.max_plan_time)
     base_is_free = has_free_base(scene)
@@ -96,7 +111,7 @@ def _plan(
             scene = fastest_clear_path(open_scene)
     diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
     task = Task.of(scene, ignore)
-    judged, instead = _first_certified(_offers(task, warm, last, log), log)
+    judged, instead = _first_certified(_offers(task, warm, rest, last, log), log)
     report = log.report(
         judged.candidate.solution.status,
         backoff=judged.candidate.active.increased(),
@@ -117,7 +132,7 @@ def _plan(
 
 
 def _offers(
-    task: Task, warm: Plan | None, last: Candidate | None, log: Log
+    task: Task, warm: Plan | None, rest: Trajectory | None, last: Candidate | None, log: Log
 ) -> Iterator[Candidate | Judged | NoSolutionError]:
     """Motions on the fine grid, each for when the one before is not certified; raises what `plan` does.
 
@@ -133,9 +148,17 @@ def _offers(
             if log.out_of_time:
                 return
         log.not_warm = _NOT_CONVERGED if candidate is None else _NOT_CERTIFIED
+    if warm is None and rest is not None and (candidate := going_on(task, rest, log)) is not None:
+        yield candidate
+        if log.out_of_time:
+            return
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, task.ignored), log)):
         paths = advised_free_paths(scene, paths_along(scene))
-    joint_path = preferred_path(paths, scene.robot, scene.start_near)
+    state = scene.initial_state
+    if state is None:
+        joint_path = preferred_path(paths, scene.robot, scene.start_near)
+    else:
+        joint_path = path_through(paths, state.s, state.joints[0])
     if warm is not None and not alike:
         candidate = restart_on_branch(task, warm, joint_path, log)
         if candidate is not None:

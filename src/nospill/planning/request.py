@@ -9,6 +9,7 @@ from nospill.errors import ScenarioError
 from nospill.laws.constraints import constrained, constraints_of
 from nospill.laws.constraints.base import Constraint
 from nospill.plans.plan import Plan
+from nospill.plans.state import MotionState, beginning_in
 from nospill.scenario import load
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
@@ -30,6 +31,24 @@ def requested_scene(scene: Scene | ScenarioSource, constraints: Iterable[Constra
     asked = constrained(scene.require_as_read() if isinstance(scene, Scene) else load(scene), constraints)
     require_constraints(asked)
     return asked
+
+
+def begun_in(scene: Scene, state: MotionState | None, *, stop: bool = False) -> Scene:
+    """The scene whose motion begins in a state, a stop perhaps; as it is where none is given.
+
+    Raises:
+        ScenarioError: it is no state, a stop without one, or `beginning_in` refuses it.
+    """
+    if state is None:
+        if stop:
+            raise ScenarioError("stop=True without start: give the state to stop from, as plan.state_at(0.7) does")
+        return scene
+    if not isinstance(state, MotionState):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ScenarioError(
+            f"start is a state of motion, as plan.state_at(0.7) gives it, not {str(state)[:60]!r} of type "
+            f"{type(state).__name__}"
+        )
+    return beginning_in(scene, state, stop=stop)
 
 
 def require_constraints(scene: Scene) -> None:

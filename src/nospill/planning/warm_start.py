@@ -69,6 +69,14 @@ def _restart_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> Ca
     return _solve_again(active, start_from(active, motion, log), log, warm=None)
 
 
+def going_on(task: Task, rest: Trajectory, log: Log) -> Candidate | None:
+    """Solve from what is left of the motion that this one goes on from; None where that does not converge."""
+    refined = frozenset(liquid_names(task.scene) if task.scene.planned_modes > 1 else ())
+    active = _cautious(ActiveSet.of(task, rest.joint_position, refined=refined))
+    active = replace(active, expected=rest.end_time)
+    return _solve_again(active, start_from(active, rest, log), log, warm=None)
+
+
 def start_off_path(task: Task, given: Judged, log: Log) -> Candidate | None:
     """Solve from a motion on the path, where the tray may leave it; None where that does not converge."""
     before = given.candidate.active

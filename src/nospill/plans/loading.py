@@ -62,7 +62,7 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
         known = names.union(limit.name for limit in unjudged)
         return Plan(
             scene=scene,
-            trajectory=read_trajectory(place / TRAJECTORY_FILE),
+            trajectory=replace(read_trajectory(place / TRAJECTORY_FILE), in_motion=scene.initial_state is not None),
             certificate=Certificate(
                 ok=certificate["ok"] and not scene.unjudged,
                 grid_hz=certificate["grid_hz"],

@@ -28,6 +28,7 @@ from nospill.plans.folder import write_folder
 from nospill.plans.names import APPROACH_FILE
 from nospill.plans.records import MotionMaxima, PlanningReport, Starts, motion_maxima
 from nospill.plans.settling import settling_time
+from nospill.plans.state import MotionState, states_of
 from nospill.plans.warnings import plan_warnings, slower_warnings
 from nospill.plans.warnings.record import PlanWarning
 from nospill.robots.kinematics.forward import ToolMotions
@@ -170,6 +171,16 @@ class Plan:
         times = np.asarray(self.trajectory.require_times(t))
         motion = tray_from_joints(self.scene, [self.trajectory(np.atleast_1d(times), order) for order in range(3)])[0]
         return motion if times.ndim else ToolMotions(*(getattr(motion, item.name)[0] for item in fields(motion)))
+
+    def state_at(self, t: float) -> MotionState:
+        """How arm, tray and liquids move at the sample nearest to a time, s: where another motion may go on from.
+
+        Raises:
+            ScenarioError: the time is outside the motion, or the state is not known: the tray may leave its path, or
+                the joints follow their controller late.
+            ModelError: the liquids cannot be integrated.
+        """
+        return states_of(self.trajectory, self.scene, [t])[0]
 
     @property
     def plots(self) -> tuple[str, ...]:

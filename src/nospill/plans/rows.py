@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 
-from nospill.certification.full_model import full_scene
-from nospill.certification.replay import replay
-from nospill.certification.run import run_of
 from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
-from nospill.laws.scene_parameters import structure_of
-from nospill.motion.holds import held_trajectory
 from nospill.plans.plan import Plan
 from nospill.plans.row_checks import joint_fault, require_in_a_row
+from nospill.plans.swings import swing_table, swings_at
 from nospill.scene.cargo import Cargo
-from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
-from nospill.scene.swing import LiquidOffset, Swing, swing_of
-from nospill.scene.variants import liquid_offsets
+from nospill.scene.swing import Swing
 
 _WAY = ("way", "way_yaw", "way_joints")
 
@@ -30,58 +24,15 @@ def swing_after(plan: Plan, wait: float, following: Sequence[Cargo] = ()) -> dic
     Args:
         plan: with the motion, and the swing that it begins with.
         wait: s, after the motion and its hold; rounded up to whole samples.
-        following: the objects of the next motion: where the numbers of one may be off, its liquid is carried through
-            the plan's motion with every one of these numbers, from the swing that it began that motion with.
+        following: the objects of the next motion, as in `swings_at`.
 
     Raises:
-        ScenarioError: the wait is negative or no number, or the plan's motion begins with a swing that is not known of
-            a liquid whose numbers are off.
+        ScenarioError: the wait is negative or no number, or as `swings_at`.
         ModelError: the liquids cannot be integrated.
     """
     if not 0.0 <= wait < math.inf:
         raise ScenarioError(f"wait = {wait:g} s: a time of at least 0 s is needed")
-    scene = full_scene(plan.scene)
-    held = held_trajectory(plan.trajectory, replace(scene.motion, hold_after=scene.motion.hold_after + wait))
-    run = run_of(held, scene.controller)
-
-    def left(cargo: Sequence[Cargo]) -> list[Swing]:
-        """Of liquids."""
-        carried = replace(scene, cargo=tuple(cargo))
-        played, slices = replay(run.record, carried, motion=run.motion), structure_of(carried).slosh_slices
-        return [
-            swing_of(item.oscillators, played.slosh_displacement[-1, own], played.slosh_velocity[-1, own])
-            for item, own in zip(cargo, slices, strict=True)
-        ]
-
-    liquids = {cargo.name: cargo for cargo in scene.cargo if cargo.filling is not None}
-    swings = dict(zip(liquids, left([*liquids.values()]), strict=True)) if liquids else {}
-    offsets = {cargo.name: liquid_offsets(cargo) for cargo in following if cargo.name in liquids}
-    variants: dict[str, list[tuple[LiquidOffset, Swing]]] = {name: [] for name in offsets}
-    for number in range(max(map(len, offsets.values()), default=0)):
-        some = {name: own[number] for name, own in offsets.items() if number < len(own)}
-        changed = [_offset(liquids[name], offset, scene) for name, offset in some.items()]
-        for (name, offset), swing in zip(some.items(), left(changed), strict=True):
-            variants[name].append((offset, swing))
-    return {name: replace(swing, variants=tuple(variants.get(name, ()))) for name, swing in swings.items()}
-
-
-def _offset(cargo: Cargo, offset: LiquidOffset, scene: Scene) -> Cargo:
-    """An object of a motion whose liquid is off as one of the next motion is."""
-    by = Perturbation(
-        liquid_height=offset.liquid_height,
-        damping=offset.damping,
-        position=offset.position,
-        pinned=offset.pinned,
-        contact_angle=offset.contact_angle,
-        frequency=offset.frequency,
-    )
-    swing = cargo.filling.initial_swing if cargo.filling else None
-    if swing is not None and swing.of(offset) is None:
-        raise ScenarioError(
-            f'cargo "{cargo.name}": {scene.name}, the motion before, begins with a swing that is not known with '
-            f"{by.text(cargo)}; give both motions, and those before them, the same tolerance"
-        )
-    return perturbed(cargo, by, fidelity=scene.fidelity)
+    return swings_at(plan.trajectory, plan.scene, None, wait, following)[0]
 
 
 def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
@@ -139,27 +90,8 @@ def seam_fault(before: Plan, after: Plan) -> str:
 def _swinging_after(scene: Scene, plan: Plan, wait: float) -> Scene:
     left = swing_after(plan, wait, scene.cargo)
     return scene.changed(
-        {f"cargo.{item.name}.initial_swing": _table(left[item.name]) for item in scene.cargo if item.name in left}
+        {f"cargo.{item.name}.initial_swing": swing_table(left[item.name]) for item in scene.cargo if item.name in left}
     )
-
-
-def _table(swing: Swing) -> dict[str, object]:
-    """A swing as a scenario states it."""
-    table: dict[str, object] = {
-        "displacement": [*map(list, swing.displacement)],
-        "velocity": [*map(list, swing.velocity)],
-    }
-    if swing.yaw_displacement:
-        table |= {"yaw_displacement": [*swing.yaw_displacement], "yaw_velocity": [*swing.yaw_velocity]}
-    if swing.variants:
-        table["variant"] = [_perturbation_table(offset) | _table(item) for offset, item in swing.variants]
-    return table
-
-
-def _perturbation_table(offset: LiquidOffset) -> dict[str, object]:
-    values = asdict(offset) | {"position": list(offset.position)}
-    usual = asdict(LiquidOffset()) | {"position": [0.0, 0.0]}
-    return {key: value for key, value in values.items() if value != usual[key]}
 
 
 def _beginning_where(scene: Scene, plan: Plan) -> Scene:

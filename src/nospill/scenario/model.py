@@ -13,6 +13,7 @@ from nospill.scenario.arrays import MOST_OBJECTS
 from nospill.scenario.cargo_entries import CargoEntry, CargoTable
 from nospill.scenario.controller_entry import ControllerTable
 from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Vector
+from nospill.scenario.initial_state_entry import InitialStateTable
 from nospill.scenario.obstacle_entries import MOST_OBSTACLES, ObstacleEntry, ObstacleTable
 from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
@@ -132,6 +133,14 @@ class MotionTable(Table):
             "on objects hold at every one of them"
         ),
     ] = default(None)
+    stop: Annotated[
+        bool,
+        Field(
+            strict=True,
+            description="whether the motion may come to rest anywhere on its path, level and as soon as the limits "
+            "allow; needs [initial_state]",
+        ),
+    ] = False
     hold_before: Annotated[
         Quantity, HOLD, Field(description="how long the arm stands still before it moves, in exported files")
     ] = default(0.0)
@@ -239,6 +248,10 @@ class Scenario(Table):
     ] = None
     approach: Annotated[
         ApproachTable | None, Field(description="the table [approach]: how the arm gets to the start")
+    ] = None
+    initial_state: Annotated[
+        InitialStateTable | None,
+        Field(description="the table [initial_state]: how arm and tray move when the motion begins"),
     ] = None
     controller: Annotated[
         ControllerTable | None,

@@ -25,6 +25,7 @@ from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.carrier_reader import check_carrier, loaded, seated
 from nospill.scenario.fields import FREE
+from nospill.scenario.in_motion import require_may_begin_in_motion
 from nospill.scenario.layout import layout_faults
 from nospill.scenario.messages import cargo_place, entry_place, faults_of
 from nospill.scenario.model import DEFAULT_JERK, MotionTable, Scenario
@@ -128,6 +129,10 @@ def read_scene(
     motion = _motion(scenario, path, tray, passed, interface)
     with _at(label, "[output]"):
         output_rate = _output_rate(scenario, controller)
+    with _at(label, "[initial_state]"):
+        require_may_begin_in_motion(scenario)
+        state = scenario.initial_state
+        initial_state = None if state is None else state.build(robot, tool, path)
     if scenario.fidelity == "full" and turns(path, motion):
         cargo = tuple(turning(item) for item in cargo)
     return Scene(
@@ -148,6 +153,7 @@ def read_scene(
         start_near=_start_near(scenario, robot, approach),
         obstacles=obstacles,
         regions=regions,
+        initial_state=initial_state,
     ).marked_as_read()
 
 

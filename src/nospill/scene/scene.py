@@ -19,6 +19,7 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.controller import Controller
 from nospill.scene.heights import HeightOrder
+from nospill.scene.initial_state import InitialState
 from nospill.scene.limits import Limit, LimitRecord
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.places import Region, Via
@@ -66,6 +67,7 @@ class MotionRules:
         via: places that the tray's centre passes, in this order.
         corridor_shares: parts of `corridor` at even steps of the path parameter, where it is not as wide everywhere.
         slosh_height: to which order the heights of the liquids are judged, as far as it is known of them.
+        stop: whether it may come to rest anywhere on its path.
     """
 
     tilt_free: bool
@@ -86,6 +88,7 @@ class MotionRules:
     via: tuple[Via, ...] = ()
     corridor_shares: tuple[float, ...] = ()
     slosh_height: HeightOrder = "linear"
+    stop: bool = False
 
     @property
     def speeds(self) -> tuple[float, ...]:
@@ -204,6 +207,7 @@ class Scene:
             robot's `home` if it is given there, else None. The inverse kinematics prefers the branch nearest to it.
         obstacles: what stands around the arm.
         regions: boxes that tray and cargo stay in.
+        initial_state: how arm and tray move when the motion begins; None where they stand still.
         controller: how the joints follow their command; None where they do what they are asked for.
         as_read: whether it is the very scene that was read; a copy by `dataclasses.replace` is not.
         constraints: limits given from Python, beside those of the scenario (`with_constraints`).
@@ -227,6 +231,7 @@ class Scene:
     obstacles: tuple[Obstacle, ...] = ()
     controller: Controller | None = None
     regions: tuple[Region, ...] = ()
+    initial_state: InitialState | None = None
     constraints: tuple[Limit, ...] = ()
     unjudged: tuple[LimitRecord, ...] = ()
     as_read: bool = field(default=False, init=False, repr=False)

@@ -93,6 +93,7 @@ def export_samples(scene: Scene, stages: Stages, along: JointPath | None = None)
         tray_position=tray.position,
         tray_quaternion=quaternion,
         slosh=_slosh_tracks(scene, samples, tray),
+        in_motion=scene.initial_state is not None,
     )
 
 

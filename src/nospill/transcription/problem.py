@@ -11,12 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nospill.laws.constraints import constraints_of
-from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints import by_name, constraints_of
+from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.parameters import Number, SceneNumbers, Structure
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
 from nospill.robots.kinematics.regularity import determinants
 from nospill.scene.cargo import Cargo
+from nospill.scene.initial_state import InitialState
 from nospill.scene.scene import Scene
 from nospill.transcription.clearance_planes import NO_PLANES, Planes
 from nospill.transcription.layout import Layout
@@ -71,6 +72,9 @@ class Problem:
         rows: row of the structure -> row of the scene, whether it takes part or not.
         backoff: fraction of each budget that is kept from the optimiser.
         planes: of the rows of clearance.
+        row_lower: (m,) bounds of the constraints: those of the transcription, but for rows on a first instant that is
+            given in motion, which no motion can change.
+        row_upper: likewise.
     """
 
     scene: Scene
@@ -86,6 +90,8 @@ class Problem:
     rows: Mapping[RowIndex, RowId]
     backoff: Backoff
     planes: Planes
+    row_lower: np.ndarray
+    row_upper: np.ndarray
 
     def with_more_backoff(self, step: float) -> np.ndarray:
         """Parameters with every back-off larger by a step."""
@@ -180,6 +186,11 @@ def build_problem(
         size = transcription.layout.size
         scales[size - 1] = least_determinant
         lower[size - 1 : intervals * size : size] = 1.0
+    row_lower, row_upper = transcription.lower, transcription.upper
+    if scene.initial_state is not None:
+        given = _given_places(scene, transcription)
+        row_lower, row_upper = row_lower.copy(), row_upper.copy()
+        row_lower[given], row_upper[given] = -np.inf, np.inf
     of_planes = planes.bounds()
     lower, upper = np.concatenate([lower, -of_planes]), np.concatenate([upper, of_planes])
     problem = Problem(
@@ -196,8 +207,21 @@ def build_problem(
         rows=rows,
         backoff=backoff,
         planes=planes,
+        row_lower=row_lower,
+        row_upper=row_upper,
     )
     return replace(problem, parameters=problem.parameters_of(numbers, backoff))
+
+
+def _given_places(scene: Scene, transcription: Transcription) -> np.ndarray:
+    """Places of the rows on the first instant that follow from the state alone, and not from the jerks after it."""
+    known = by_name(scene)
+    places = [
+        np.arange(block.first, block.first + block.count)
+        for block in transcription.blocks
+        if block.repetition == 0 and known[block.constraint].evaluated_at is not EvaluationPoint.CONTROL
+    ]
+    return np.concatenate([np.zeros(0, dtype=int), *places])
 
 
 def _rows(scene: Scene) -> Iterator[tuple[int, RowId]]:
@@ -243,6 +267,15 @@ def _scales(
     return scales
 
 
+def initial_chains(state: InitialState, layout: Layout, self_motion: np.ndarray | None) -> np.ndarray:
+    """Value, rate and acceleration of every chain (3 c,) in a state, the self-motion of a seven-joint arm last."""
+    of_tray = state.chains[: layout.chains - layout.redundant].ravel()
+    if not layout.redundant:
+        return of_tray
+    assert self_motion is not None  # of an arm with seven joints
+    return np.concatenate([of_tray, [float(self_motion @ part) for part in state.joints]])
+
+
 def _bounds(
     scene: Scene,
     structure: Structure,
@@ -269,11 +302,17 @@ def _bounds(
         row[: layout.interval] = 0.0
     if layout.redundant:
         free = 3 * (layout.chains - 1)
-        for side, stated in zip((ends[:2], ends[2:]), scene.path.ends, strict=True):
+        stated_ends = (None, None) if scene.motion.stop else scene.path.ends
+        for side, stated in zip((ends[:2], ends[2:]), stated_ends, strict=True):
             value = np.inf if stated is None or self_motion is None else float(self_motion @ stated)
             side[0][free], side[1][free] = (-value, value) if np.isinf(value) else (value, value)
     for row in ends[2:]:
         row[0] = 1.0
+    if scene.initial_state is not None:
+        for row in ends[:2]:
+            row[: layout.interval] = initial_chains(scene.initial_state, layout, self_motion)
+        if scene.motion.stop:
+            ends[2][0] = scene.initial_state.s
     for row in ends[:2]:
         row[layout.displacement], row[layout.velocity] = initial_coordinates(scene)
     # Flat modes come to rest as nearly as the judge demands: exactly so, each would cost two controls at the end.

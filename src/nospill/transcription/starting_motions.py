@@ -14,6 +14,7 @@ from nospill.laws.like_objects import bearable_acceleration
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.redundancy import self_motion
+from nospill.scene.initial_state import InitialState
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
 from nospill.transcription.resampling import resolving_intervals
@@ -84,6 +85,8 @@ def _least_by_tray(scene: Scene, velocity: np.ndarray, acceleration: np.ndarray)
 
 def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Start = Start()) -> Stages:
     """A smooth motion along the path with the liquids at rest, on a grid of `intervals`."""
+    if scene.initial_state is not None:
+        return _going_on(scene, scene.initial_state, joint_path, intervals, start)
     estimate = min(estimate_duration(scene, joint_path) * start.stretch, 0.95 * scene.motion.max_duration)
     duration = scene.motion.duration or estimate
     tau = np.linspace(0.0, 1.0, intervals + 1)
@@ -99,6 +102,40 @@ def smooth_start(scene: Scene, joint_path: JointPath, intervals: int, start: Sta
         chains.append((amplitude * bump, amplitude * slope / duration, amplitude * bend / duration**2))
     chains += [(np.zeros_like(tau),) * 3] * (layout.freedom.chains - len(chains))
     return motion_along(scene, joint_path, [np.column_stack(chain) for chain in chains], duration)
+
+
+def _going_on(scene: Scene, state: InitialState, joint_path: JointPath, intervals: int, start: Start) -> Stages:
+    """A smooth motion from a state to rest, at the end of the path or, for a stop, half as far as its speed leads."""
+    left = 1.0 - state.s
+    estimate = estimate_duration(scene, joint_path) * start.stretch * np.sqrt(left)
+    if state.s_rate > 0.0:  # longer, and it would pass the end and come back
+        estimate = min(estimate, 2.0 * left / state.s_rate)
+    duration = scene.motion.duration or float(np.clip(estimate, 0.05, 0.95 * scene.motion.max_duration))
+    end = min(1.0, state.s + 0.5 * state.s_rate * duration) if scene.motion.stop else 1.0
+    tau = np.linspace(0.0, 1.0, intervals + 1)
+    goals = [end, 0.0, 0.0]
+    chains = [_to_rest(tau, chain, goal, duration) for chain, goal in zip(state.chains, goals, strict=True)]
+    layout = layout_of(structure_of(scene))
+    return motion_along(scene, joint_path, chains[: layout.freedom.chains], duration)
+
+
+def _to_rest(tau: np.ndarray, state: np.ndarray, goal: float, duration: float) -> np.ndarray:
+    """The quintic (m, 3) from value, rate and acceleration (3,) to rest at a goal, at parts tau (m,) of a time, s."""
+    value, rate, change = state * np.array([1.0, duration, duration**2])
+    way, slope, bend = quintic(tau)
+    # what rest to rest lacks: the least polynomials with the rate, and the acceleration, at 0 and nothing else
+    powers = np.array([tau**power for power in range(6)])
+    of_rate, of_change = np.array([0, 1, 0, -6, 8, -3.0]), np.array([0, 0, 0.5, -1.5, 1.5, -0.5])
+    own = rate * of_rate + change * of_change
+    rises = np.arange(1, 6)
+    first, second = own[1:] * rises, (own[1:] * rises)[1:] * rises[:4]
+    return np.column_stack(
+        [
+            value + (goal - value) * way + own @ powers,
+            ((goal - value) * slope + first @ powers[:5]) / duration,
+            ((goal - value) * bend + second @ powers[:4]) / duration**2,
+        ]
+    )
 
 
 def motion_along(scene: Scene, joint_path: JointPath, chains: Sequence[np.ndarray], duration: float) -> Stages:

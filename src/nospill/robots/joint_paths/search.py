@@ -203,6 +203,11 @@ def preferred_path(paths: Sequence[JointPath], robot: Robot, near: np.ndarray | 
     return min(able, key=lambda path: float(f"{np.linalg.norm((path.q[0] - near) / robot.max_speed):.6g}"))
 
 
+def path_through(paths: Sequence[JointPath], s: float, q: np.ndarray) -> JointPath:
+    """The joint path that passes a place on the path nearest to joint positions q (n,), rad, in which the arm is."""
+    return min(paths, key=lambda path: float(np.linalg.norm(path.at(np.array([s]))[0] - q)))
+
+
 def branch_in_words(q: np.ndarray) -> str:
     """The branch of a configuration q (n,), rad: a branch is named by where it starts."""
     # + 0.0 turns -0 into 0

@@ -79,7 +79,7 @@ def usable(solution: Solution) -> bool:
 
 def violation(problem: Problem, values: np.ndarray) -> float:
     """Largest violation of the constraint bounds, scaled units; infinite where a value is not a number."""
-    short = np.maximum(problem.transcription.lower - values, values - problem.transcription.upper)
+    short = np.maximum(problem.row_lower - values, values - problem.row_upper)
     return float("inf") if not np.all(np.isfinite(values)) else float(max(np.max(short), 0.0))
 
 
@@ -90,8 +90,7 @@ def row_slack(problem: Problem, stages: Stages) -> dict[RowId, float]:
 
 def least_slack(problem: Problem, values: np.ndarray) -> dict[RowId, float]:
     """`Solution.slack` from the values (m,) of the constraints."""
-    transcription = problem.transcription
-    distance = np.minimum(values - transcription.lower, transcription.upper - values)
+    distance = np.minimum(values - problem.row_lower, problem.row_upper - values)
     # of clearance none: its planes stand anywhere between the bodies
     rows = [(row, places) for row, places, _ in problem.places if row.constraint != Clearance.name]
     if not rows:

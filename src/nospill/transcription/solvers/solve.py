@@ -56,8 +56,8 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         "p": problem.parameters,
         "lbx": problem.lower,
         "ubx": problem.upper,
-        "lbg": transcription.lower,
-        "ubg": transcription.upper,
+        "lbg": problem.row_lower,
+        "ubg": problem.row_upper,
     }
     order = None
     multipliers = None if warm is None else warm.multipliers_for(problem)

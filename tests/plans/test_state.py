@@ -1,0 +1,136 @@
+"""A motion that goes on from the midst of a plan: what it begins with, how it is judged, what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import nospill as ns
+from nospill.certification.certificate import judge_motion
+from nospill.certification.replay import replay
+from nospill.errors import ScenarioError
+from nospill.laws.scene_parameters import initial_coordinates
+from nospill.plans.plan import Plan
+from nospill.plans.state import MotionState, beginning_in, rest_of
+
+T = 0.8
+"""s; in the midst of the motion."""
+JOINS = ["position", "velocity", "acceleration"]
+
+
+@pytest.fixture(scope="module")
+def before(gentle_plan: Callable[[str, int], Plan]) -> Plan:
+    """A gentle motion of one cup, which nobody had to solve."""
+    return gentle_plan("matrix-liquid-soft-end", 1)
+
+
+@pytest.fixture(scope="module")
+def state(before: Plan) -> MotionState:
+    return before.state_at(T)
+
+
+def test_what_is_left_of_a_plan_moves_as_the_plan_did(before: Plan, state: MotionState) -> None:
+    """The replay from the state is the end of the replay of the whole: joints, tray and liquids."""
+    scene = beginning_in(before.scene, state)
+    whole, left = replay(before.trajectory, before.scene), replay(rest_of(before.trajectory, T), scene)
+    then = np.searchsorted(whole.t, left.t[::8] + state.t - 1e-9)
+    some = slice(None, None, 8)
+    np.testing.assert_allclose(left.joint_position[some], whole.joint_position[then], atol=1e-8)
+    np.testing.assert_allclose(left.slosh_displacement[some], whole.slosh_displacement[then], atol=1e-6)
+    np.testing.assert_allclose(left.joint_speed[some], whole.joint_speed[then], atol=1e-5)
+    moving = np.abs(whole.joint_speed[then[0]]).max()
+    assert moving > 0.05 and np.abs(left.joint_speed[0]).max() == pytest.approx(moving, abs=1e-6)
+    assert np.abs(initial_coordinates(scene)).max() > 1e-5
+
+
+def test_what_is_left_of_a_plan_is_certified_and_joins_on(before: Plan, state: MotionState) -> None:
+    scene, left = beginning_in(before.scene, state), rest_of(before.trajectory, T)
+    certificate = ns.certify(left, scene)
+    assert certificate.ok
+    rows = {row.subject: row for row in certificate.rows if row.constraint == "joins on"}
+    assert list(rows) == JOINS and all(row.worst_value == 0.0 for row in rows.values())
+    assert [row.limit for row in rows.values()] == [1e-9, 1e-6, 1e-4]
+
+
+@pytest.mark.parametrize(
+    ("column", "by", "rows"),
+    [
+        ("joint_position", 1e-8, {"position"}),
+        ("joint_speed", 1e-5, {"velocity"}),
+        ("joint_acceleration", 1e-3, {"acceleration"}),
+    ],
+)
+def test_a_record_that_begins_otherwise_does_not_join_on(
+    before: Plan, state: MotionState, column: str, by: float, rows: set[str]
+) -> None:
+    left = rest_of(before.trajectory, T)
+    values = getattr(left, column).copy()
+    values[0, 1] += by
+    judged = judge_motion(replace(left, **{column: values}), beginning_in(before.scene, state))
+    broken = {row.subject for row in judged.certificate.rows if row.constraint == "joins on" and not row.ok}
+    assert broken >= rows and not judged.certificate.ok
+
+
+def test_a_record_from_rest_is_none_of_a_motion_that_begins_in_motion(before: Plan, state: MotionState) -> None:
+    certificate = ns.certify(before.trajectory, beginning_in(before.scene, state))
+    broken = {row.constraint for row in certificate.rows if not row.ok}
+    assert {"joins on", "path covered", "rest at the ends"} <= broken
+
+
+def test_a_motion_is_planned_from_a_state_and_saved_with_it(before: Plan, state: MotionState, tmp_path: Any) -> None:
+    """Fastest, so no longer than what was left of the gentle one; a stop is no longer than the motion to the goal."""
+    on = ns.plan(before.scene, start=state)
+    assert on.certificate.ok and on.duration < before.duration - T
+    assert on.trajectory.s[0] == state.arm.s and on.trajectory.s[-1] == 1.0
+    on.save(tmp_path / "on")
+    found = ns.load_plan(tmp_path / "on")
+    assert found.scene == on.scene and found.trajectory.in_motion and ns.certify(found.trajectory, found.scene).ok
+    stop = ns.plan(before.scene, start=state, stop=True, warm=on)
+    assert stop.certificate.ok and stop.duration <= on.duration + 1e-3
+    assert state.arm.s < stop.trajectory.s[-1] <= 1.0
+
+
+def changed(state: MotionState, **values: Any) -> MotionState:
+    return replace(state, arm=replace(state.arm, **values))
+
+
+def test_states_that_no_motion_goes_on_from_are_refused(before: Plan, state: MotionState) -> None:
+    arm = state.arm
+    fast = tuple(50.0 * speed for speed in arm.joint_speed)
+    turned = (arm.joint_position[0] + 0.01, *arm.joint_position[1:])
+    (swing,) = state.swings.values()
+    spilling = replace(swing, displacement=((0.2, 0.0), *swing.displacement[1:]))
+    refusals = {
+        "not a finite number": changed(state, s_rate=float("nan")),
+        "above its limit": changed(state, joint_speed=fast, s_rate=50.0 * arm.s_rate),
+        "off its path": changed(state, joint_position=turned),
+        "out of its range": changed(state, joint_position=(9.0, *arm.joint_position[1:])),
+        "1 value": changed(state, joint_position=arm.joint_position[:1]),
+        "max_slosh_height": replace(state, swings=dict.fromkeys(state.swings, spilling)),
+    }
+    for words, wrong in refusals.items():
+        with pytest.raises(ScenarioError, match=words) as caught:
+            beginning_in(before.scene, wrong)
+        assert "\n" not in str(caught.value)
+
+
+def test_instants_outside_and_what_does_not_begin_in_motion_are_refused(before: Plan, state: MotionState) -> None:
+    with pytest.raises(ScenarioError, match="outside the motion"):
+        before.state_at(before.duration + 1.0)
+    with pytest.raises(ScenarioError, match=r"plan\.state_at"):
+        ns.plan(before.scene, start=before.trajectory)  # type: ignore[arg-type]
+    with pytest.raises(ScenarioError, match="stop=True without start"):
+        ns.plan(before.scene, stop=True)
+    for change, words in {
+        "motion.hold_before": ("0.5 s", "hold_before"),
+        "motion.speed_range": (["50 %", "100 %"], "speed_range"),
+        "controller": ({"delay": "20 ms"}, "delay or lag"),
+    }.items():
+        with pytest.raises(ScenarioError, match=words[1]):
+            beginning_in(before.scene.changed({change: words[0]}), state)
+    with pytest.raises(ScenarioError, match=r"motion\.stop"):
+        before.scene.changed({"motion.stop": True})
