@@ -72,7 +72,7 @@ def first_rows(trajectory: Trajectory, count: int) -> Trajectory:
     parts = {
         field.name: getattr(trajectory, field.name)[:count]
         for field in fields(trajectory)
-        if field.name not in ("joints", "slosh")
+        if field.name not in ("joints", "slosh", "in_motion")
     }
     return replace(trajectory, **parts)
 
@@ -343,7 +343,8 @@ def test_rest_appended_to_a_motion(good, end):
     columns = {
         field.name: np.concatenate([values, np.repeat(values[-1:], rest, axis=0)])
         for field in fields(trajectory)
-        if field.name not in ("joints", "slosh", "t") and (values := getattr(trajectory, field.name)) is not None
+        if field.name not in ("joints", "slosh", "t", "in_motion")
+        and (values := getattr(trajectory, field.name)) is not None
     }
     columns["s"][len(trajectory.t) : -1] = 1 - 3e-7
     columns["s_rate"][-rest:-1] = 1e-9
@@ -363,7 +364,7 @@ def test_samples_too_far_apart(solid):
     columns = {
         field.name: getattr(trajectory, field.name)[every]
         for field in fields(trajectory)
-        if field.name not in ("joints", "slosh")
+        if field.name not in ("joints", "slosh", "in_motion")
     }
     coarse = replace(trajectory, **columns | {"t": np.arange(len(every)) / 4.0})
     scene = replace(scene, robot=replace(scene.robot, max_speed=0.4 * scene.robot.max_speed))

@@ -46,7 +46,9 @@ def planned(gentle_plan) -> tuple[Any, JointSamples]:
     plan = gentle_plan("matrix-rigid", 1)
     whole = resampled(plan.trajectory, 500.0)
     scene = replace(plan.scene, robot=replace(plan.scene.robot, name="ur10e"))
-    return scene, JointSamples(*(getattr(whole, field.name)[:200] for field in fields(whole)))
+    return scene, JointSamples(
+        *(getattr(whole, field.name)[:200] for field in fields(whole) if field.name != "in_motion")
+    )
 
 
 @pytest.fixture

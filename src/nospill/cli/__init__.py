@@ -31,6 +31,7 @@ from nospill.cli.retiming import retime
 from nospill.cli.sharing import report
 from nospill.cli.slosh import compare, simulate
 from nospill.cli.slowing import slow
+from nospill.cli.stopping import stops
 from nospill.cli.studio import studio
 from nospill.cli.sweeping import sweep
 from nospill.cli.verifying import margins, verify
@@ -39,7 +40,7 @@ from nospill.cli.viewing import view
 GROUPS: dict[str, tuple[Callable[..., int], ...]] = {
     "Plan": (plan, examples, robots, schema, studio, retime, slow),
     "Look": (view, plot, report, film),
-    "Judge": (judge, check, executed, verify),
+    "Judge": (judge, check, executed, verify, stops),
     "Hand over": (export,),
     "Laboratory": (identify, design_test, measure, simulate, compare),
     "Many": (sweep, margins, cache),

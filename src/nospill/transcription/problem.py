@@ -36,6 +36,10 @@ _LARGEST_SLOSH_SCALE = 0.02
 _SELF_MOTION_JERK = 1000.0
 """Bound on the third derivative of a seven-joint arm's free parameter, rad/s^3."""
 
+_EARLY, _AT_THE_LIMIT = 2, 0.02
+"""Intervals after a state in motion whose rows are wider by this part of a budget: the motion before may stand on its
+limits there, where the back-off of its own rows is not kept between its nodes. The judge looks there too."""
+
 Backoff = Mapping[RowId, float]
 """Row -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
 
@@ -72,8 +76,8 @@ class Problem:
         rows: row of the structure -> row of the scene, whether it takes part or not.
         backoff: fraction of each budget that is kept from the optimiser.
         planes: of the rows of clearance.
-        row_lower: (m,) bounds of the constraints: those of the transcription, but for rows on a first instant that is
-            given in motion, which no motion can change.
+        row_lower: (m,) bounds of the constraints: those of the transcription, but for a motion that begins in motion:
+            without the rows on its first instant, which nothing can change, and with wider ones right after it.
         row_upper: likewise.
     """
 
@@ -188,9 +192,12 @@ def build_problem(
         lower[size - 1 : intervals * size : size] = 1.0
     row_lower, row_upper = transcription.lower, transcription.upper
     if scene.initial_state is not None:
-        given = _given_places(scene, transcription)
+        given, first = _given_places(scene, transcription)
         row_lower, row_upper = row_lower.copy(), row_upper.copy()
-        row_lower[given], row_upper[given] = -np.inf, np.inf
+        early = given[None] + transcription.rows_per_stage * np.arange(_EARLY)[:, None]
+        row_lower[early] -= _AT_THE_LIMIT
+        row_upper[early] += _AT_THE_LIMIT
+        row_lower[given[first]], row_upper[given[first]] = -np.inf, np.inf
     of_planes = planes.bounds()
     lower, upper = np.concatenate([lower, -of_planes]), np.concatenate([upper, of_planes])
     problem = Problem(
@@ -213,15 +220,18 @@ def build_problem(
     return replace(problem, parameters=problem.parameters_of(numbers, backoff))
 
 
-def _given_places(scene: Scene, transcription: Transcription) -> np.ndarray:
-    """Places of the rows on the first instant that follow from the state alone, and not from the jerks after it."""
+def _given_places(scene: Scene, transcription: Transcription) -> tuple[np.ndarray, np.ndarray]:
+    """Places (m,) of the rows on the first interval that are not of the jerks; which of them are on its first instant.
+
+    Those follow from the state alone.
+    """
     known = by_name(scene)
-    places = [
-        np.arange(block.first, block.first + block.count)
-        for block in transcription.blocks
-        if block.repetition == 0 and known[block.constraint].evaluated_at is not EvaluationPoint.CONTROL
+    blocks = [
+        block for block in transcription.blocks if known[block.constraint].evaluated_at is not EvaluationPoint.CONTROL
     ]
-    return np.concatenate([np.zeros(0, dtype=int), *places])
+    places = [np.arange(block.first, block.first + block.count) for block in blocks]
+    first = [np.full(block.count, block.repetition == 0) for block in blocks]
+    return np.concatenate([np.zeros(0, dtype=int), *places]), np.concatenate([np.zeros(0, dtype=bool), *first])
 
 
 def _rows(scene: Scene) -> Iterator[tuple[int, RowId]]:

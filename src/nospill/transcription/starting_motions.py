@@ -111,6 +111,14 @@ def _going_on(scene: Scene, state: InitialState, joint_path: JointPath, interval
     if state.s_rate > 0.0:  # longer, and it would pass the end and come back
         estimate = min(estimate, 2.0 * left / state.s_rate)
     duration = scene.motion.duration or float(np.clip(estimate, 0.05, 0.95 * scene.motion.max_duration))
+    return motion_to_rest(scene, state, joint_path, intervals, duration)
+
+
+def motion_to_rest(scene: Scene, state: InitialState, joint_path: JointPath, intervals: int, duration: float) -> Stages:
+    """A smooth motion of a duration, s, from a state to rest, on a grid of `intervals`.
+
+    It ends at the end of the path or, a stop, where its speed leads if it falls evenly.
+    """
     end = min(1.0, state.s + 0.5 * state.s_rate * duration) if scene.motion.stop else 1.0
     tau = np.linspace(0.0, 1.0, intervals + 1)
     goals = [end, 0.0, 0.0]

@@ -1,0 +1,78 @@
+"""stops: the spill-free stop from every instant of a plan, and what the controller's own stop does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nospill.cli.progress import LOADING, PLANNING_STEPS, ProgressLine
+from nospill.cli.tables import print_lines, print_table
+
+if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.plans.stops import Stops
+
+_ROWS = 12
+"""Instants that are printed; all of them are in the file."""
+
+
+def stops(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
+    every: Annotated[str, typer.Option(metavar="TIME", help="Time between the instants.")] = "20 ms",
+    deceleration: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RATE",
+            help='With which the controller brakes each joint, as "6 rad/s^2"; the arm\'s limits when left out.',
+            show_default=False,
+        ),
+    ] = None,
+    slowing: Annotated[
+        str, typer.Option(metavar="TIME", help="In which the controller scales time to zero along the path.")
+    ] = "0.25 s",
+) -> int:
+    """Find the fastest spill-free stop from every instant of a plan, and say what the controller's own stop does.
+
+    A stop is a certified motion to rest along what is left of the path; the rest of the plan always is one. Writes
+    stops.json, stops.png and the samples of every stop into the plan folder. This is no safety function.
+    """
+    with ProgressLine(PLANNING_STEPS) as progress:
+        from nospill.core.units import quantity
+        from nospill.plans.loading import load_plan
+        from nospill.plots.stopping import save_stops
+        from nospill.stopping.stops import LIBRARY, STOPS_FILE, write_stops
+        from nospill.stopping.stops import stops as find_stops
+
+        times = quantity(every, "time"), quantity(slowing, "time")
+        braking = None if deceleration is None else quantity(deceleration, "angular_acceleration")
+        progress.say(LOADING)
+        plan = load_plan(folder)
+        found = find_stops(
+            plan,
+            every=times[0],
+            deceleration=braking,
+            slowing=times[1],
+        )
+        write_stops(found, plan, folder)
+        save_stops(found, folder / "stops.png")
+    _print(found)
+    print_lines(f"Written: {folder / STOPS_FILE}, {folder / 'stops.png'}, {folder / LIBRARY}")
+    return 0
+
+
+def _print(found: Stops) -> None:
+    own = {(item.t, item.kind): item.text for item in found.controller}
+    chosen = found.stops[:: -(-len(found.stops) // _ROWS)]
+    print_table(
+        ("at [s]", "stop [s]", "rest [s]", "joints braked", "time scaled to zero"),
+        [(stop.t, stop.duration, stop.left, own[stop.t, "joints"], own[stop.t, "path"]) for stop in chosen],
+    )
+    for kind, name in (("joints", "each joint braked by itself"), ("path", "time scaled to zero along the path")):
+        verdicts = [item.certified for item in found.controller if item.kind == kind]
+        print_lines(f"{name}: {sum(verdicts)} of {len(verdicts)} stops keep every limit")
+    print_lines(
+        f"spill-free stops sooner than the rest of the plan: {100 * found.solved:.0f} % of the instants; from one to "
+        f"two thirds of the motion they take {100 * found.part_left:.0f} % of it (median).",
+        "They are motions, and no safety function.",
+    )

@@ -1,0 +1,151 @@
+"""Stops of a plan as records: the spill-free stop at every instant, and what the controller's own stop does."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from nospill.motion.trajectory import Trajectory
+
+_VERBS = {"lift": "lifts", "slip": "slides", "tip": "tips", "twist": "turns"}
+_FEW = 2
+"""Objects that are named; more are counted."""
+
+Origin = Literal["solved", "rest of the plan"]
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """The fastest certified stop that was found from an instant of a plan.
+
+    Attributes:
+        t: s, when it begins, on the plan's clock.
+        duration: s, until the arm stands.
+        left: s, what is left of the plan.
+        end: path parameter at which the tray comes to rest.
+        origin: whether it was solved, or is what is left of the plan, which is always one.
+        nearest: the row of its certificate that is nearest to its limit, in words.
+        trajectory: its samples, on a clock that begins with it.
+        seconds: what finding and judging it took, s.
+    """
+
+    t: float
+    duration: float
+    left: float
+    end: float
+    origin: Origin
+    nearest: str
+    trajectory: Trajectory = field(repr=False)
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerStop:
+    """What a stop by the controller does from an instant of a plan, which knows nothing of what is on the tray.
+
+    Attributes:
+        t: s, when it begins.
+        kind: "joints": each joint brakes by itself; "path": time is scaled to zero along the path.
+        duration: s, until the arm stands.
+        certified: whether every limit holds.
+        spill: m, of the liquid that is highest above its `max_slosh_height`; 0 where none is, infinite where one is
+            beyond what can be integrated.
+        uses: largest use of a limit by "constraint | subject", of those on objects and liquids that are broken.
+    """
+
+    t: float
+    kind: Literal["joints", "path"]
+    duration: float
+    certified: bool
+    spill: float
+    uses: Mapping[str, float]
+
+    @property
+    def text(self) -> str:
+        """What it does, in words: "crest 6 mm too high, slides c2", or "holds"."""
+        if self.certified:
+            return "holds"
+        if math.isinf(self.spill):
+            return "throws a liquid out"
+        parts = [f"crest {1e3 * self.spill:.0f} mm too high"] if self.spill > 0.0 else []
+        for constraint, verb in _VERBS.items():
+            names = sorted(key.partition(" | ")[2] for key in self.uses if key.partition(" | ")[0] == constraint)
+            if names:
+                parts.append(f"{verb} {', '.join(names) if len(names) <= _FEW else len(names)}")
+        return ", ".join(parts) or "a limit of the arm, or swings on"
+
+
+@dataclass(frozen=True, slots=True)
+class Stops:
+    """Every stop of a plan.
+
+    Attributes:
+        plan: name of its scene.
+        duration: s, of its motion.
+        stops: at every instant, in the order of time.
+        controller: the controller's own stops from the same instants.
+        deceleration: (n,) rad/s^2, with which each joint brakes there.
+        slowing: s, in which time is scaled to zero there.
+    """
+
+    plan: str
+    duration: float
+    stops: tuple[Stop, ...]
+    controller: tuple[ControllerStop, ...]
+    deceleration: tuple[float, ...]
+    slowing: float
+
+    @property
+    def solved(self) -> float:
+        """Part of the instants at which a stop sooner than the rest of the plan was found."""
+        return float(np.mean([stop.origin == "solved" for stop in self.stops]))
+
+    @property
+    def part_left(self) -> float:
+        """Median of stopping time over what is left of the plan, from one to two thirds of the motion."""
+        middle = [stop for stop in self.stops if 1 / 3 <= stop.t / self.duration <= 2 / 3]
+        return float(np.median([stop.duration / stop.left for stop in middle or self.stops]))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As stops.json has it."""
+        return {
+            "plan": self.plan,
+            "duration_s": self.duration,
+            "solved": self.solved,
+            "median_of_rest": self.part_left,
+            "deceleration_rad_s2": list(self.deceleration),
+            "slowing_s": self.slowing,
+            "stops": [
+                {
+                    "t_s": stop.t,
+                    "stops_in_s": stop.duration,
+                    "left_s": stop.left,
+                    "s_end": stop.end,
+                    "origin": stop.origin,
+                    "nearest": stop.nearest,
+                    "file": None if stop.origin != "solved" else file_of(stop),
+                }
+                for stop in self.stops
+            ],
+            "controller": [
+                {
+                    "t_s": item.t,
+                    "kind": item.kind,
+                    "stops_in_s": item.duration,
+                    "certified": item.certified,
+                    "over_max_slosh_height_m": None if math.isinf(item.spill) else item.spill,
+                    "broken": dict(item.uses),
+                    "text": item.text,
+                }
+                for item in self.controller
+            ],
+        }
+
+
+def file_of(stop: Stop) -> str:
+    """Name of the file with the samples of a stop, after the instant in ms."""
+    return f"stop-{round(1e3 * stop.t):06d}.csv"

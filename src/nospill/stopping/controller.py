@@ -1,0 +1,121 @@
+"""What a controller's own stop does: each joint braked by itself, or time scaled to zero along the path.
+
+The motion is the plan until the instant, then the brake; it is judged as any joint motion, from rest to rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from nospill.certification.certificate import judge_joints
+from nospill.errors import ModelError
+from nospill.laws.constraints import OBJECT_NAMES
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.motion.interpolation import HeldMotion, JointMotion
+from nospill.motion.trajectory import Trajectory
+from nospill.plans.plan import Plan
+from nospill.plans.stops import ControllerStop
+
+_AFTER = 0.05
+"""s; how long the arm stands at the end of what is judged."""
+
+
+@dataclass(frozen=True, slots=True)
+class BrakedJoints:
+    """A motion until an instant, from which each joint falls evenly to rest by itself.
+
+    Attributes:
+        before: the motion.
+        at: s, the instant.
+        deceleration: (n,) rad/s^2.
+    """
+
+    before: JointMotion
+    at: float
+    deceleration: np.ndarray
+
+    @property
+    def duration(self) -> float:
+        """Until the last joint stands, s."""
+        return float(np.max(np.abs(self._state[1]) / self.deceleration))
+
+    @property
+    def _state(self) -> tuple[np.ndarray, np.ndarray]:
+        q, speed = (self.before(np.array([self.at]), order)[0] for order in range(2))
+        return q, speed
+
+    def __call__(self, t: np.ndarray, order: int = 0, /) -> np.ndarray:
+        """The derivative of this order at times t (m,)."""
+        values = self.before(np.minimum(t, self.at), order)
+        late = t > self.at
+        if not np.any(late):
+            return values
+        q, speed = self._state
+        slope = -np.sign(speed) * self.deceleration
+        since = (t[late] - self.at)[:, None]
+        moving = since < np.abs(speed) / self.deceleration
+        since = np.minimum(since, np.abs(speed) / self.deceleration)
+        parts = [q + speed * since + slope * since**2 / 2, speed + slope * since, np.where(moving, slope, 0.0)]
+        values[late] = parts[order] if order < 3 else 0.0
+        return values
+
+
+@dataclass(frozen=True, slots=True)
+class SlowedClock:
+    """A motion whose clock falls evenly to a stop from an instant on: the poses are those of its path.
+
+    Attributes:
+        before: the motion.
+        at: s, the instant.
+        duration: s, in which time comes to a stop; half of it is left of the motion's own time.
+    """
+
+    before: JointMotion
+    at: float
+    duration: float
+
+    def __call__(self, t: np.ndarray, order: int = 0, /) -> np.ndarray:
+        """The derivative of this order at times t (m,)."""
+        since = np.clip(t - self.at, 0.0, self.duration)
+        rate, change = 1.0 - since / self.duration, np.where((t > self.at) & (t < self.at + self.duration), -1.0, 0.0)
+        change /= self.duration
+        clock = np.minimum(t, self.at) + since - since**2 / (2.0 * self.duration)
+        rate, change = rate[:, None], change[:, None]
+        if order == 0:
+            return self.before(clock)
+        if order == 1:
+            return self.before(clock, 1) * rate
+        if order == 2:
+            return self.before(clock, 2) * rate**2 + self.before(clock, 1) * change
+        return self.before(clock, 3) * rate**3 + 3.0 * self.before(clock, 2) * rate * change
+
+
+def braked(plan: Plan, t: float, deceleration: np.ndarray) -> ControllerStop:
+    """The verdict on the stop in which each joint brakes by itself, with a deceleration (n,), rad/s^2, from t, s."""
+    motion = BrakedJoints(plan.trajectory.motion, t, deceleration)
+    return _judged(plan, motion, t, "joints", motion.duration)
+
+
+def slowed_to_rest(plan: Plan, t: float, slowing: float) -> ControllerStop:
+    """The verdict on the stop in which time is scaled to zero along the path within a time `slowing`, s, from t on."""
+    return _judged(plan, SlowedClock(plan.trajectory.motion, t, slowing), t, "path", slowing)
+
+
+def _judged(
+    plan: Plan, motion: JointMotion, t: float, kind: Literal["joints", "path"], duration: float
+) -> ControllerStop:
+    rate, end = plan.trajectory.rate, t + duration + _AFTER
+    times = np.arange(int(np.ceil(end * rate)) + 1) / rate
+    held = HeldMotion(motion, 0.0, float(times[-1]))
+    record = Trajectory.of_joints(times, plan.trajectory.joints, *(held(times, order) for order in range(3)))
+    try:
+        certificate = judge_joints(record, plan.scene, motion=held).certificate
+    except ModelError:  # the liquid leaves its cup
+        return ControllerStop(t, kind, duration, False, float("inf"), {})
+    broken = [row for row in certificate.rows if not row.ok and row.constraint in OBJECT_NAMES]
+    over = [row.worst_value - row.limit for row in broken if row.constraint == SloshHeight.name]
+    uses = {f"{row.constraint} | {row.subject}": row.use for row in broken}
+    return ControllerStop(t, kind, duration, certificate.ok, max(over, default=0.0), uses)

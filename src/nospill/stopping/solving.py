@@ -1,0 +1,193 @@
+"""One stop after the other: the fastest motion to rest along what is left of the path, certified.
+
+Each is solved on a coarse grid from the one before it, 20 ms earlier; its exported samples are judged as any motion. A
+row that the judge rejects gets more back-off, as much as it was over, a few times over. From afar a stop is looked for
+from smooth motions to rest of several durations: liquids have an optimum in each of their swings.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.tracks import judged_tracks
+from nospill.certification.wording import describe
+from nospill.errors import ModelError
+from nospill.laws.constraints import BY_NAME
+from nospill.laws.constraints.base import RowId, liquid_names
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.motion.trajectory import Trajectory
+from nospill.planning.active_set import ActiveSet
+from nospill.planning.candidate import problem_about
+from nospill.planning.task import Task
+from nospill.plans.plan import Plan
+from nospill.plans.state import MotionState
+from nospill.plans.stops import Stop
+from nospill.robots.joint_paths.search import JointPath
+from nospill.scene.scene import Scene
+from nospill.transcription.export_samples import export_samples
+from nospill.transcription.solvers import solve
+from nospill.transcription.solvers.options import LOOSE, SolveOptions
+from nospill.transcription.solvers.solution import Solution
+from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import motion_to_rest
+
+INTERVALS = 25
+"""Of the grid; where liquids are in the problem with several modes, which are faster."""
+_PARTS = (0.5, 0.75)
+"""Of what is left of the plan: durations of the smooth motions from which a stop is looked for from afar."""
+_TIGHTENED, _MORE = 6, 0.005
+"""How often back-off is raised, and by how much beyond what the judge found."""
+_MOST_BACKOFF = 0.9
+_OF_SUM = 0.3
+"""First back-off of a residual height of several modes: the judge sums them, the optimiser adds their squares."""
+_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 40, 120, 6.0
+_SOONER = 0.99
+"""Of what is left of the plan; a stop that takes longer is no gain over it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A certified stop with what the next one is solved from."""
+
+    stop: Stop
+    solution: Solution
+    backoff: dict[RowId, float] = field(repr=False)
+
+
+def stop_from(
+    plan: Plan, state: MotionState, joint_path: JointPath, before: Found | None, *, afresh: bool = False
+) -> tuple[Stop, Found | None]:
+    """The fastest certified stop that was found from a state; what is left of the plan where none is sooner.
+
+    Args:
+        plan: certified.
+        state: of the plan.
+        joint_path: the arm's way along the path.
+        before: the stop from the instant before, from which this one is solved first.
+        afresh: whether one is looked for from afar too, and the faster taken.
+
+    Returns:
+        The stop; and what the next one is solved from, None where nothing was solved.
+    """
+    began, left = time.perf_counter(), plan.duration - state.t
+    scene = stopping_scene(plan.scene, state)
+    found = None if before is None else _certified(scene, state, before.solution.stages, before, left)
+    if found is None or afresh:
+        others = (_certified(scene, state, start, None, left) for start in _from_afar(scene, state, joint_path, left))
+        other = next((one for one in others if one is not None), None)
+        if found is None or (other is not None and other.stop.duration < found.stop.duration):
+            found = other
+    seconds = time.perf_counter() - began
+    if found is None or found.stop.duration > _SOONER * left:
+        rest = state.rest
+        nearest = describe(plan.certificate.worst)
+        return Stop(state.t, left, left, float(rest.s[-1]), "rest of the plan", nearest, rest, seconds), found
+    return replace(found.stop, seconds=seconds), found
+
+
+def stopping_scene(scene: Scene, state: MotionState) -> Scene:
+    """The scene of a stop from a state, for the functions that compute with it."""
+    cargo = tuple(
+        item
+        if item.filling is None
+        else replace(item, filling=replace(item.filling, initial_swing=state.swings[item.name]))
+        for item in scene.cargo
+    )
+    return replace(
+        scene,
+        cargo=cargo,
+        initial_state=state.arm,
+        motion=replace(scene.motion, stop=True, duration=None, end="residual"),
+    )
+
+
+def _from_afar(scene: Scene, state: MotionState, joint_path: JointPath, left: float) -> Iterator[Stages]:
+    task = Task.of(scene)
+    model = _first(task, state).scene
+    for part in _PARTS:
+        yield motion_to_rest(model, state.arm, joint_path, INTERVALS, part * left)
+
+
+def _first(task: Task, state: MotionState) -> ActiveSet:
+    """What takes part, with its first back-off: every liquid with the modes that the optimiser carries."""
+    refined = frozenset(liquid_names(task.scene) if task.scene.planned_modes > 1 else ())
+    active = ActiveSet.of(task, state.rest.joint_position, refined=refined)
+    sums = {row: _OF_SUM for row in active.possible if row.constraint == ResidualHeight.name and refined}
+    return active.with_backoff(sums)
+
+
+def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | None, left: float) -> Found | None:
+    """The stop that is solved from a motion, its back-off raised until it is certified; None where that fails."""
+    task = Task.of(scene)
+    active = replace(_first(task, state), expected=max(start.duration, 0.1))
+    warm = None
+    if before is not None:
+        active = active.with_backoff(before.backoff)
+        warm = before.solution
+    for _ in range(_TIGHTENED):
+        options = SolveOptions(
+            max_iterations=_COLD_ITERATIONS if warm is None else _WARM_ITERATIONS,
+            max_time=_MOST_TIME,
+            tolerances=LOOSE,
+            kkt_error_globalization=warm is not None,
+            barrier_start=None if warm is not None else 1e-2,
+            bound_push=5e-4 if warm is not None else 1e-3,
+        )
+        solution = solve(problem_about(active, start), start, options=options, warm=warm)
+        if not solution.converged or solution.stages.duration > left:
+            return None
+        judged = _judged(active.scene, scene, solution.stages)
+        if judged is None:
+            return None
+        record, judgement = judged
+        if judgement.certificate.ok:
+            stop = Stop(
+                t=state.t,
+                duration=record.end_time,
+                left=left,
+                end=float(record.s[-1]),
+                origin="solved",
+                nearest=describe(judgement.certificate.worst),
+                trajectory=record,
+                seconds=0.0,
+            )
+            return Found(stop, solution, dict(active.backoff))
+        tightened = _tightened(active, judgement)
+        if tightened is active:
+            return None
+        active, start, warm = tightened, solution.stages, solution
+    return None
+
+
+def _judged(model: Scene, scene: Scene, stages: Stages) -> tuple[Trajectory, Judgement] | None:
+    """Exported samples with their verdict; None where the joints cannot follow."""
+    try:
+        record = export_samples(model, stages)
+        judgement = judge_motion(record, scene)
+    except (ModelError, np.linalg.LinAlgError):
+        return None
+    return replace(record, slosh=judged_tracks(record, scene, judgement.replay, judgement.traces)), judgement
+
+
+def _tightened(active: ActiveSet, judgement: Judgement) -> ActiveSet:
+    """The set with more back-off of the rows that the judge rejects; itself where none of them is in the problem."""
+    backoff, changed = dict(active.backoff), False
+    names = active.names
+    labels: dict[str, list[str]] = {}
+    for (name, _), label in names.items():
+        labels.setdefault(name, []).append(label)
+    for row in judgement.certificate.rows:
+        if row.ok or row.constraint not in BY_NAME:
+            continue
+        for label in labels.get(row.subject, [row.subject]):
+            key = RowId(row.constraint, label)
+            if key in backoff:
+                more = 1.0 - (1.0 - backoff[key]) / row.use + _MORE
+                backoff[key] = min(max(backoff[key] + _MORE, more), _MOST_BACKOFF)
+                changed = True
+    return replace(active, backoff=backoff) if changed else active

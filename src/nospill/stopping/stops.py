@@ -1,0 +1,141 @@
+"""All stops of a plan: the spill-free one from every instant, and beside it the controller's own."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from nospill.compiled.codegen import compiles_afterwards
+from nospill.core.files import atomic_folder, atomic_text
+from nospill.errors import NoSolutionError, ScenarioError
+from nospill.export import EXPORTERS
+from nospill.path_search.free_path import paths_along
+from nospill.plans.plan import Plan
+from nospill.plans.state import require_known_state, states_of
+from nospill.plans.stops import Stop, Stops, file_of
+from nospill.robots.joint_paths.search import JointPath, path_through
+from nospill.robots.robot import Robot
+from nospill.stopping.controller import braked, slowed_to_rest
+from nospill.stopping.solving import Found, stop_from
+
+EVERY = 0.02
+"""s; from how many instants a stop is looked for."""
+SLOWING = 0.25
+"""s; in which a controller scales time to zero, and a joint whose acceleration nobody limits stops from full speed."""
+STOPS_FILE, LIBRARY = "stops.json", "stops"
+"""In a plan folder: the table, and the folder with the samples of every stop that was solved."""
+_AFRESH = 5
+"""At every so many instants a stop is looked for from afar too."""
+_SHORTEST_LEFT = 0.06
+"""s; before the end of the plan no stop is sooner than what is left of it."""
+
+OnStop = Callable[[int, int], None]
+"""Called with how many instants are done, of how many."""
+
+
+@compiles_afterwards
+def stops(
+    plan: Plan,
+    *,
+    every: float = EVERY,
+    deceleration: ArrayLike | None = None,
+    slowing: float = SLOWING,
+    progress: OnStop | None = None,
+) -> Stops:
+    """Find the fastest certified motion to rest from every instant of a plan, along what is left of its path.
+
+    Each spills, slides and tips nothing, and keeps the limits on what swings on. What is left of the plan is always
+    one, so that there is one from every instant. This is a motion, and no safety function.
+
+    Args:
+        plan: certified.
+        every: s, between the instants.
+        deceleration: rad/s^2, one or (n,), with which the controller brakes each joint; when left out the limits of
+            the arm's accelerations, or what stops a joint from its full speed in 0.25 s.
+        slowing: s, in which the controller scales time to zero along the path.
+        progress: called after every instant.
+
+    Raises:
+        ScenarioError: the plan is not certified, a number is none or not above zero, or the plan has what no state is
+            known of: a corridor or free yaw, a range of speeds, a controller with delay or lag.
+        NoSolutionError: no joint path leads along the path of the scene.
+    """
+    brake = _decelerations(deceleration, plan.scene.robot)
+    for name, value in (("every", every), ("slowing", slowing)):
+        if not 1e-3 <= value <= 60.0:
+            raise ScenarioError(f"{name} = {value:g} s: a time of 0.001 to 60 s is needed")
+    _require_stoppable(plan)
+    instants = np.arange(every, plan.duration - _SHORTEST_LEFT, every)
+    if not len(instants):
+        raise ScenarioError(f"every = {every:g} s: the motion takes {plan.duration:.3f} s, no instant lies within it")
+    states = states_of(plan.trajectory, plan.scene, instants)
+    joint_path = _joint_path(plan)
+    found: Found | None = None
+    own: list[Stop] = []
+    controller = []
+    for number, state in enumerate(states, start=1):
+        stop, found = stop_from(plan, state, joint_path, found, afresh=number % _AFRESH == 0)
+        own.append(stop)
+        controller += [braked(plan, state.t, brake), slowed_to_rest(plan, state.t, slowing)]
+        if progress is not None:
+            progress(number, len(states))
+    return Stops(plan.scene.name, plan.duration, tuple(own), tuple(controller), tuple(brake.tolist()), slowing)
+
+
+def write_stops(found: Stops, plan: Plan, folder: str | Path) -> None:
+    """Write the table into a plan folder and the samples of every stop below it, a file for joint controllers each.
+
+    Raises:
+        PlanFolderError: the disk refuses.
+    """
+    place = Path(folder)
+    with atomic_folder(place / LIBRARY, replaceable=_is_library) as new:
+        for stop in found.stops:
+            if stop.origin == "solved":
+                EXPORTERS["csv"].write(stop.trajectory.joint_samples, plan.scene, new / file_of(stop))
+    atomic_text(place / STOPS_FILE, json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n")
+
+
+def _is_library(names: set[str]) -> bool:
+    return all(name.endswith(".csv") for name in names)
+
+
+def _require_stoppable(plan: Plan) -> None:
+    name, rules = plan.scene.name, plan.scene.motion
+    if not plan.certificate.ok:
+        raise ScenarioError(f"{name}: this plan is not certified, and what is left of it is no stop: plan it anew")
+    if rules.speed_range is not None:
+        raise ScenarioError(
+            f"{name}: motion.speed_range is stated, and where a slower motion is stopped is another state; plan "
+            "without it to find stops at full speed"
+        )
+    require_known_state(plan.scene)
+
+
+def _decelerations(stated: ArrayLike | None, robot: Robot) -> np.ndarray:
+    """Of each joint (n,), rad/s^2."""
+    if stated is None:
+        return robot.max_speed / SLOWING if robot.max_acceleration is None else robot.max_acceleration
+    try:
+        values = np.broadcast_to(np.asarray(stated, dtype=float), len(robot.joints)).copy()
+    except (TypeError, ValueError):
+        raise ScenarioError(
+            f"deceleration = {stated!r}: one number in rad/s^2 is needed, or one for each of {', '.join(robot.joints)}"
+        ) from None
+    if not np.all((values > 0.0) & np.isfinite(values)):
+        raise ScenarioError(
+            f"deceleration = {values.tolist()} rad/s^2: every joint needs one above 0, as 6 rad/s^2; leave it out for "
+            "the limits of the arm"
+        )
+    return values
+
+
+def _joint_path(plan: Plan) -> JointPath:
+    paths = paths_along(plan.scene)
+    if not paths:
+        raise NoSolutionError(f"{plan.scene.name}: no joint path leads along its path")
+    return path_through(paths, 0.0, plan.trajectory.joint_position[0])
