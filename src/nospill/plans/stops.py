@@ -70,7 +70,7 @@ class ControllerStop:
         if self.certified:
             return "holds"
         if math.isinf(self.spill):
-            return "throws a liquid out"
+            return "beyond the slosh model"
         parts = [f"crest {1e3 * self.spill:.0f} mm too high"] if self.spill > 0.0 else []
         for constraint, verb in _VERBS.items():
             names = sorted(key.partition(" | ")[2] for key in self.uses if key.partition(" | ")[0] == constraint)

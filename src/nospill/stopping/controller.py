@@ -1,6 +1,7 @@
 """What a controller's own stop does: each joint braked by itself, or time scaled to zero along the path.
 
-The motion is the plan until the instant, then the brake; it is judged as any joint motion, from rest to rest.
+The motion is the plan until the instant, then the brake, sampled at the plan's rate; it is judged as any joint motion,
+from rest to rest: the quintic spline through the samples, so that its acceleration jumps within a period.
 """
 
 from __future__ import annotations
@@ -112,8 +113,8 @@ def _judged(
     held = HeldMotion(motion, 0.0, float(times[-1]))
     record = Trajectory.of_joints(times, plan.trajectory.joints, *(held(times, order) for order in range(3)))
     try:
-        certificate = judge_joints(record, plan.scene, motion=held).certificate
-    except ModelError:  # the liquid leaves its cup
+        certificate = judge_joints(record, plan.scene).certificate
+    except ModelError:  # the liquid moves as no linear one does
         return ControllerStop(t, kind, duration, False, float("inf"), {})
     broken = [row for row in certificate.rows if not row.ok and row.constraint in OBJECT_NAMES]
     over = [row.worst_value - row.limit for row in broken if row.constraint == SloshHeight.name]
