@@ -9,9 +9,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from nospill.laws.constraints.lift import Lift
+from nospill.laws.constraints.slip import Slip
+from nospill.laws.constraints.tip import Tip
+from nospill.laws.constraints.twist import Twist
 from nospill.motion.trajectory import Trajectory
 
-_VERBS = {"lift": "lifts", "slip": "slides", "tip": "tips", "twist": "turns"}
+_VERBS = {Lift.name: "lifts", Slip.name: "slides", Tip.name: "tips", Twist.name: "turns"}
 _FEW = 2
 """Objects that are named; more are counted."""
 

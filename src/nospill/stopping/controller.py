@@ -20,6 +20,8 @@ from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.plans.stops import ControllerStop
 
+_HIGHEST = 0.3
+"""m; a crest so far above its limit is a figure of linear equations and of no liquid."""
 _AFTER = 0.05
 """s; how long the arm stands at the end of what is judged."""
 
@@ -118,5 +120,7 @@ def _judged(
         return ControllerStop(t, kind, duration, False, float("inf"), {})
     broken = [row for row in certificate.rows if not row.ok and row.constraint in OBJECT_NAMES]
     over = [row.worst_value - row.limit for row in broken if row.constraint == SloshHeight.name]
+    if max(over, default=0.0) > _HIGHEST:
+        return ControllerStop(t, kind, duration, False, float("inf"), {})
     uses = {f"{row.constraint} | {row.subject}": row.use for row in broken}
     return ControllerStop(t, kind, duration, certificate.ok, max(over, default=0.0), uses)
