@@ -19,7 +19,7 @@ from tests.waiting import run_python, wait_until
 GROUPS = {
     "Plan": ("plan", "examples", "robots", "schema", "studio", "retime", "slow"),
     "Look": ("view", "plot", "report", "film"),
-    "Judge": ("judge", "check", "executed", "verify"),
+    "Judge": ("judge", "check", "executed", "verify", "stops"),
     "Hand over": ("export",),
     "Laboratory": ("identify", "design-test", "measure", "simulate", "compare"),
     "Many": ("margins", "cache"),
