@@ -20,8 +20,9 @@ import numpy as np
 from benchmarks.campaign.scenes import draw_case
 from nospill.errors import NospillError
 from nospill.planning.planner import plan
-from nospill.potential_flow import unsupported
+
 from nospill.scenario import scene_from_table
+from nospill.scene.heights import unsupported
 from nospill.verify import verify_water
 
 EDGES = (0.0, 0.1, 0.2, 0.3, 0.45, 1.0)

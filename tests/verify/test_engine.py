@@ -231,3 +231,15 @@ def test_motion_beyond_all_bounds_is_an_error_and_leaves_no_log_file(
     with pytest.raises(ModelError, match="MuJoCo lost the objects"):
         run(cylinder(), wild)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_fixed_body_stays_while_its_liquid_swings_at_its_frequency() -> None:
+    """The mass in its bowl swings as a pendulum of length 1/curvature: omega^2 = g curvature."""
+    mode = ModalMass(mass=0.1, height=0.05, axes=(0,), curvature=30.0, damping=0.0)
+    body = replace(cylinder(friction=0.01, modes=(mode,)), fixed=True, swing=np.array([[1e-3], [0.0]]))
+    found = run(body, pushed(0.7, lambda t: 0.0 * t))
+    assert np.ptp(found.position, axis=0).max() == 0.0 and np.ptp(found.quaternion, axis=0).max() == 0.0
+    assert found.position[0, 0] == pytest.approx([0.05, -0.02, 0.0])
+    assert found.modes[:, 0] == pytest.approx(1e-3 * np.cos(np.sqrt(30.0 * G) * found.t), abs=2e-5)
+    hard = run(replace(body, modes=(), swing=np.zeros((2, 0))), pushed(0.2, lambda t: 20.0 + 0.0 * t))
+    assert slide(hard).max() == 0.0

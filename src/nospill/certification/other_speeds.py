@@ -17,6 +17,7 @@ from nospill.certification.replay import replay
 from nospill.certification.rims import rims_below
 from nospill.certification.traces import constraint_traces
 from nospill.certification.verdict import Trace
+from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import OF_OBJECTS, Role
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
@@ -74,13 +75,14 @@ class SpeedUse:
 def uses_at(trajectory: Trajectory, scene: Scene, speeds: Iterable[float] = SPEEDS) -> tuple[SpeedUse, ...]:
     """Largest uses of a motion, without its holds, at some speeds: of like objects those of the outer ones.
 
-    None without objects.
+    None without objects, or where none of them has a limit.
 
     Raises:
         ModelError: the liquids cannot be integrated at one of them.
     """
     scene, motion = replace(scene, cargo=hull_objects(scene)), trajectory.motion
-    return tuple(_use(trajectory, scene, motion, speed) for speed in speeds) if scene.cargo else ()
+    limited = any(item.evaluated_at in OF_OBJECTS and item.subjects(scene) for item in constraints_of(scene))
+    return tuple(_use(trajectory, scene, motion, speed) for speed in speeds) if limited else ()
 
 
 def object_traces(record: Trajectory, scene: Scene, motion: JointMotion) -> tuple[Trace, ...]:

@@ -15,7 +15,7 @@ from nospill.errors import REST, NoSolutionError, Reason
 from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.like_objects import bearable_acceleration
-from nospill.laws.scene_parameters import numbers_of
+from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.scene.scene import Scene
 
@@ -37,7 +37,10 @@ def require_bearable_lean(scene: Scene, beyond: float = 0.0) -> None:
     most, objects = int(np.argmax(lean)), numbers_of(scene).objects
     if not objects or lean[most] <= beyond:
         return
-    borne = [math.atan(bearable_acceleration(item) / scene.gravity) for item in objects]
+    borne = [
+        math.atan(bearable_acceleration(item, fixed=own.fixed, lid=own.lid) / scene.gravity)
+        for own, item in zip(structure_of(scene).objects, objects, strict=True)
+    ]
     least = int(np.argmin(borne))
     if lean[most] <= borne[least]:
         return

@@ -9,7 +9,7 @@ import numpy as np
 
 from nospill.diagnosis.relaxation import Relaxation, Sensitivities, entry_of, instead_text, is_main, with_cargo
 from nospill.errors import Change
-from nospill.laws.constraints.base import liquid_names
+from nospill.laws.constraints.base import open_names
 from nospill.scenario.settings import EVERY
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -36,7 +36,7 @@ def relaxed_friction(scene: Scene, constraint: str, subject: str, sensitivities:
 
 def relaxed_slosh_height(scene: Scene, constraint: str, subject: str, sensitivities: Sensitivities) -> list[Relaxation]:
     """The cup's own limit; that of all cups where they have the same one and more than one of them needs it."""
-    names = liquid_names(scene)
+    names = open_names(scene)
     filled = {cargo.name: cargo for cargo in scene.cargo if cargo.filling}
     limits = {name: cargo.filling.max_slosh_height for name, cargo in filled.items() if cargo.filling}
     index, now = names.index(subject), limits[subject]

@@ -190,10 +190,10 @@ class SceneBuilder:
 
 
 def limit_ring(cargo: Cargo) -> Mesh | None:
-    """A ring round a cup at the greatest height its liquid may reach, container frame; None above the rim."""
+    """A ring round a cup at the greatest height its liquid may reach, container frame; None above the rim or a lid."""
     assert cargo.filling is not None
     height = cargo.filling.liquid_height + cargo.filling.max_slosh_height
-    if height > cargo.container.height:
+    if cargo.filling.lid or height > cargo.container.height:
         return None
     return ribbon(_at(shrunk(outline_at(cargo.container, height), -0.0006), height), _RING)
 

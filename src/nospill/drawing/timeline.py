@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -147,7 +148,9 @@ def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[s
         lean = leans[:, 3 * number : 3 * number + 2 + cargo.filling.turns]
         together = np.column_stack([displacement, lean if scene.fidelity == "full" else np.zeros_like(lean)])
         height = liquid_surface(cargo).crest(together)
-        tracks[cargo.name] = LiquidTrack(together, height, cargo.filling.max_slosh_height)
+        tracks[cargo.name] = LiquidTrack(
+            together, height, math.inf if cargo.filling.lid else cargo.filling.max_slosh_height
+        )
     return tracks
 
 

@@ -9,6 +9,7 @@ can tell. The certificate is about all of them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -16,7 +17,7 @@ import numpy as np
 
 from nospill.core.trees import flatten
 from nospill.laws.parameters import ObjectNumbers
-from nospill.laws.scene_parameters import object_numbers
+from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
@@ -24,10 +25,19 @@ from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 _DIGITS = 12
 
 
-def bearable_acceleration(item: ObjectNumbers) -> float:
-    """Least lasting acceleration of a level tray, m/s^2, at which an object slides or its first mode is too high."""
-    by_mode = (item.max_slosh_height * mode.frequency**2 / abs(mode.surface_gain) for mode in item.oscillators[:1])
-    return min((item.planned_friction * STANDARD_GRAVITY, *by_mode))
+def bearable_acceleration(item: ObjectNumbers, *, fixed: bool = False, lid: bool = False) -> float:
+    """Least lasting acceleration of a level tray, m/s^2, at which an object slides or its first mode is too high.
+
+    Infinite of what is fixed and has no open liquid.
+
+    Args:
+        item: numbers of the object.
+        fixed: whether it cannot slide.
+        lid: whether its liquid cannot spill.
+    """
+    modes = () if lid else item.oscillators[:1]
+    by_mode = (item.max_slosh_height * mode.frequency**2 / abs(mode.surface_gain) for mode in modes)
+    return min((math.inf if fixed else item.planned_friction * STANDARD_GRAVITY, *by_mode))
 
 
 def least_tolerant_objects(scene: Scene, most: int) -> tuple[Cargo, ...]:
@@ -36,7 +46,9 @@ def least_tolerant_objects(scene: Scene, most: int) -> tuple[Cargo, ...]:
 
     def borne(cargo: Cargo) -> tuple[float, float]:
         numbers = object_numbers(cargo, fidelity=scene.fidelity, gravity=scene.gravity)
-        return bearable_acceleration(numbers), -float(np.hypot(*cargo.position[:2]))
+        structure = object_structure(cargo)
+        bears = bearable_acceleration(numbers, fixed=structure.fixed, lid=structure.lid)
+        return bears, -float(np.hypot(*cargo.position[:2]))
 
     return outer if len(outer) <= most else tuple(sorted(outer, key=borne)[:most])
 
@@ -50,7 +62,8 @@ def hull_objects(scene: Scene) -> tuple[Cargo, ...]:
         swing = cargo.filling.initial_swing if cargo.filling else None
         # at one height, on the tray or in a carrier: the hull is one of places on a plane, and what is carried has no
         # contact of its own
-        further = (len(numbers.oscillators), cargo.tolerance, swing, cargo.seat, bool(cargo.carrier), cargo.constraints)
+        place = (cargo.seat, bool(cargo.carrier), cargo.fixed, cargo.filling is not None and cargo.filling.lid)
+        further = (len(numbers.oscillators), cargo.tolerance, swing, *place, cargo.constraints)
         groups.setdefault((*key, *further), []).append(index)
     outer: set[int] = set()
     for members in groups.values():

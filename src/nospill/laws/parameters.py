@@ -250,6 +250,8 @@ class ObjectStructure:
         in_carrier: whether it stands in a carrier, which keeps it from sliding.
         slowed: whether it is moved at another speed than the others.
         constraints: given from Python, that are about it.
+        fixed: whether it cannot move on what it stands on.
+        lid: whether its liquid is closed in.
     """
 
     footprint: type[Footprint]
@@ -261,6 +263,8 @@ class ObjectStructure:
     in_carrier: bool = False
     slowed: bool = False
     constraints: tuple[Limit, ...] = ()
+    fixed: bool = False
+    lid: bool = False
 
     @property
     def yaws(self) -> bool:
@@ -271,6 +275,11 @@ class ObjectStructure:
     def liquid(self) -> bool:
         """Whether it has a surface of its own."""
         return bool(self.oscillators) and not self.spread
+
+    @property
+    def open(self) -> bool:
+        """Whether its liquid may spill."""
+        return self.liquid and not self.lid
 
     @property
     def coordinates(self) -> int:

@@ -77,6 +77,8 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
         in_carrier=bool(cargo.carrier),
         slowed=cargo.is_slowed,
         constraints=cargo.constraints,
+        fixed=cargo.fixed,
+        lid=cargo.filling is not None and cargo.filling.lid,
     )
 
 

@@ -183,7 +183,7 @@ def _margins(
         if last_names:
             final = evaluate(at_end, [q[:, -1:], qd[:, -1:]], parameters)
             rows = [*rows, *_worst(final, constraints[len(names) :])]
-        figures[index] = rows
+        figures[index] = np.reshape(rows, figures[index].shape)
         if item.modes > 1:
             _play_on(item, drawn, constraints, q[:, -1], qd[:, -1], figures[index])
     margin, limit = figures[..., 0], figures[..., 1]

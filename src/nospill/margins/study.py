@@ -61,7 +61,7 @@ class _Found:
         use: of the limit, (m,), by constraint.
         value: limit less margin, in the constraint's unit, (m,), by constraint.
         points: where each constraint is evaluated.
-        freeboard: distance from the liquid at rest to the rim, (m,), m; None for a solid.
+        freeboard: distance from the liquid at rest to the rim, (m,), m; None without an open liquid.
     """
 
     name: str
@@ -125,10 +125,13 @@ def margins(
         done += len(range(*part.indices(total)))
         if progress is not None:
             progress(done, total)
-    all_margins = [
+    every = [
         _figures(cargo.name, own, objects)
         for cargo, own, objects in zip(scene.cargo, zip(*parts, strict=True), changed, strict=True)
     ]
+    all_margins = [item for item in every if item.use]
+    if not all_margins:
+        raise ScenarioError(f"{scene.name}: no object has a limit, as all are fixed; there are no margins to study")
     drawn = slice(0, samples)
     worst = 1.0 - np.max([use for item in all_margins for use in _during(item).values()], axis=0)
     return MarginsReport(
@@ -184,7 +187,9 @@ def _figures(name: str, parts: Sequence[Margins], objects: Sequence[Cargo]) -> _
     """What was found of one object in all samples, of which each part holds some."""
     constraints = parts[0].constraints
     margin, limit = (np.vstack([getattr(part, field) for part in parts]) for field in ("margin", "limit"))
-    freeboards = [item.container.height - item.filling.liquid_height for item in objects if item.filling]
+    freeboards = [
+        item.container.height - item.filling.liquid_height for item in objects if item.filling and not item.filling.lid
+    ]
     return _Found(
         name=name,
         use={own.name: limit_use(own, limit[:, k], margin[:, k]) for k, own in enumerate(constraints)},

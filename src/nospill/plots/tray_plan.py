@@ -50,6 +50,8 @@ def tray_plan_figure(evidence: Evidence) -> Figure:
             lines.append(f"{1e3 * cargo.filling.liquid_height:.3g} of {1e3 * cargo.container.height:.3g}")
         else:
             lines.append(f"{1e3 * cargo.container.height:.3g} high")
+        told = {"fixed": cargo.fixed, "lid": cargo.filling is not None and cargo.filling.lid}
+        lines += [", ".join(word for word, holds in told.items() if holds)] if any(told.values()) else []
         axes.text(middle[0], middle[1], "\n".join(lines), size=SMALL, ha="center", va=across)
     axes.annotate(
         "", (0.3 * half[0], 0), (0, 0), arrowprops={"arrowstyle": "-|>", "color": ORANGE, "linewidth": 1.6}, zorder=1.5

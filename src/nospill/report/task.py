@@ -244,6 +244,7 @@ def _cargo(item: Cargo, certificate: Certificate, rim: RimDistance | None) -> tu
     contents = "solid" if item.contents is None else f"{len(item.contents.content)} in it, with their mass"
     if item.filling is not None:
         contents = f"{item.filling.liquid.name}, {1e3 * item.filling.liquid_height:.4g} deep"
+        contents += ", lid" if item.filling.lid else ""
     return (
         item.name,
         size,
@@ -251,6 +252,8 @@ def _cargo(item: Cargo, certificate: Certificate, rim: RimDistance | None) -> tu
         f"{item.total.mass:.3f}",
         f"stands in {item.carrier}"
         if item.carrier
+        else "fixed"
+        if item.fixed
         else f"{item.friction:.3g} less {100 * item.friction_reserve:.3g} %",
         contents,
         _height(certificate, SloshHeight.name, item.name),

@@ -141,6 +141,14 @@ class CargoTable(Table):
             "0 of a wall that the liquid wets; the frequency is that of a flat surface when not given"
         ),
     ] = default(None)
+    lid: Annotated[
+        bool,
+        Field(
+            strict=True,
+            description="whether the container is closed: nothing spills, so the height of its liquid has no limit "
+            "in the motion; its liquid pushes as that of an open one, and settles at the end",
+        ),
+    ] = False
     initial_swing: Annotated[
         SwingTable | None,
         Field(description="the table [cargo.initial_swing]: swing of the liquid when the motion begins"),
@@ -163,6 +171,14 @@ class CargoTable(Table):
     centre_of_mass: Annotated[
         OptionalQuantities, POINT, Field(description="centre of mass of a solid object, from the centre of its bottom")
     ] = default(None)
+    fixed: Annotated[
+        bool,
+        Field(
+            strict=True,
+            description="whether the object cannot move on what it stands on: screwed, clamped, or in jaws; its weight "
+            "and its liquid are felt all the same",
+        ),
+    ] = False
     friction: Annotated[
         OptionalQuantity, FRICTION, Field(description="friction of this object, instead of the tray's")
     ] = default(None)

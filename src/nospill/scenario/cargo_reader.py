@@ -73,6 +73,8 @@ def read_cargo(
     total, empty = (
         _solid_masses(entry, container) if filling is None else _masses_with_liquid(entry, container, filling, fidelity)
     )
+    if entry.fixed and entry.lid:  # nothing reads how its liquid swings: it is a solid of the same mass
+        filling, empty = None, total
     cargo = Cargo(
         name=entry.name,
         shape=entry.shape,
@@ -86,6 +88,7 @@ def read_cargo(
         footprint_reserve=footprint_reserve if entry.footprint_reserve is None else entry.footprint_reserve,
         filling=filling,
         label=entry.label,
+        fixed=entry.fixed,
     )
     allowed = tolerance_of(cargo, tolerance, entry.tolerance, fidelity=fidelity)
     cargo = dataclasses.replace(cargo, tolerance=allowed)
@@ -93,7 +96,24 @@ def read_cargo(
     return cargo
 
 
+_OF_LOOSE = ("friction", "friction_reserve", "footprint_reserve")
+
+
 def _check_keys(entry: CargoTable) -> None:
+    for key in _OF_LOOSE if entry.fixed else ():
+        if getattr(entry, key) is not None:
+            raise ScenarioError(
+                f"{key} is given, but fixed = true keeps the object in its place; leave one of them out"
+            )
+    if entry.lid and entry.liquid is None:
+        raise ScenarioError("lid = true is given but liquid is not; name the liquid or leave lid out")
+    if entry.lid and entry.fixed and entry.initial_swing is not None:
+        raise ScenarioError(
+            "initial_swing is given, but nothing reads how a liquid swings in a fixed container with a lid"
+        )
+    for key in ("max_slosh_height", "freeboard_reserve") if entry.lid else ():
+        if getattr(entry, key) is not None:
+            raise ScenarioError(f"{key} is given, but under lid = true nothing spills; leave one of them out")
     if entry.liquid is None:
         stray = [
             key
@@ -155,6 +175,11 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
             f'contact_line {as_written(entry.contact_line)} is for fidelity = "full": the published equations have no '
             "surface tension; leave it out"
         )
+    if entry.lid and fidelity != "full":
+        raise ScenarioError(
+            'lid = true is for fidelity = "full": the published equations leave out how a swinging liquid pushes; '
+            "plan in full, or leave it out"
+        )
     line, angle = entry.contact_line or "", entry.contact_angle
     _check_angle(entry, container)
     assert entry.liquid is not None  # _check_keys
@@ -208,6 +233,7 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         floor=floor,
         contact_line=line,
         contact_angle=angle,
+        lid=entry.lid,
     )
     return filling if entry.initial_swing is None else _swinging(filling, entry.initial_swing.whole, fidelity)
 
@@ -277,7 +303,7 @@ def _solid_masses(entry: CargoTable, container: Container) -> tuple[MassProperti
         return total, total
     _check_height(key, shown, float(total.centre[2]), container.height)
     outside = container.footprint.gap(total.centre[:2])
-    if outside >= 0.0:
+    if outside >= 0.0 and not entry.fixed:
         raise ScenarioError(
             f"{key} {shown} is {_mm(outside)} outside the footprint: the object tips over at rest; move it inside"
         )

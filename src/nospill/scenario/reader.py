@@ -327,7 +327,7 @@ def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
             "linear; leave one of them out"
         )
     for item in cargo:
-        reason = unsupported(item) if item.filling is not None else None
+        reason = unsupported(item) if item.filling is not None and not item.filling.lid else None
         if reason is not None:
             raise ScenarioError(
                 f'slosh_height = "second order": it is not known of {as_written(item.name)}, for {reason}; write '

@@ -32,6 +32,7 @@ class Filling:
         initial_swing: of the liquid when the motion begins; None where it is at rest then.
         frequency_factor: on the frequencies of its modes, which `modes` have: what they are off by.
         turns: whether its container turns about its own axis, which makes yaw modes swing (`scene.turning`).
+        lid: whether the container is closed, so that its surface may rise to any height.
     """
 
     liquid: Liquid
@@ -45,6 +46,7 @@ class Filling:
     initial_swing: Swing | None = None
     turns: bool = False
     frequency_factor: float = 1.0
+    lid: bool = False
 
     @property
     def oscillators(self) -> tuple[Oscillator, ...]:
@@ -68,7 +70,7 @@ class Filling:
     @property
     def shallow(self) -> bool:
         """Whether the surface may rise on one side by more than the liquid is deep on the other."""
-        return self.max_slosh_height > self.depth
+        return not self.lid and self.max_slosh_height > self.depth
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +121,7 @@ class CarrierContents:
 
 @dataclass(frozen=True, slots=True)
 class Cargo:
-    """A named object on the tray, loose, standing on its bottom, or in another object that does.
+    """A named object on the tray, loose or fixed, standing on its bottom, or in another object that does.
 
     Attributes:
         name: unique on its tray.
@@ -141,6 +143,7 @@ class Cargo:
         contents: what stands in it; its masses are in `total` and, without the liquids, in `empty`.
         speed: part of the planned speed at which the tray moves it; below 1 of variants alone (`MotionRules.speeds`).
         constraints: those of `Scene.constraints` that are about it.
+        fixed: whether it cannot move on what it stands on.
     """
 
     name: str
@@ -162,6 +165,7 @@ class Cargo:
     contents: CarrierContents | None = None
     speed: float = 1.0
     constraints: tuple[Limit, ...] = ()
+    fixed: bool = False
 
     @property
     def is_slowed(self) -> bool:

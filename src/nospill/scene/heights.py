@@ -15,6 +15,8 @@ def unsupported(cargo: Cargo) -> str | None:
     """Why the second order of an object's liquid is not known, as the end of a sentence; None where it is."""
     if cargo.carrier:
         return f"it stands in {cargo.carrier}, and vials of a carrier are not followed"
+    if cargo.filling is not None and cargo.filling.lid:
+        return "it has a lid, and the flow has an open surface"
     if not isinstance(cargo.container, Cylinder | Box):
         return "the flow is known in upright cylinders and boxes only"
     filling = cargo.filling

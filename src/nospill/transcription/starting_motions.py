@@ -67,7 +67,11 @@ def estimate_duration(scene: Scene, joint_path: JointPath) -> float:
     offset = max((float(np.hypot(*item.position[:2])) for item in objects), default=0.0)
     turning = offset * (np.abs(unit_acceleration[:, 3]) + (first[:, 3] * rate) ** 2)
     demand = float(np.max(np.linalg.norm(unit_acceleration[:, :3], axis=1) + turning))
-    allowed = 0.5 * min(map(bearable_acceleration, objects), default=np.inf)
+    borne = (
+        bearable_acceleration(item, fixed=own.fixed, lid=own.lid)
+        for own, item in zip(structure_of(scene).objects, objects, strict=True)
+    )
+    allowed = 0.5 * min(borne, default=np.inf)
     speeds = np.array([np.interp(s, joint_path.s, column) for column in joint_path.dq_ds.T]).T * rate[:, None]
     fastest = float(np.max(np.abs(speeds) / (0.8 * scene.robot.max_speed)))
     jerk = (60.0 / scene.motion.path_jerk_limit) ** (1 / 3)

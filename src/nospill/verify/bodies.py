@@ -69,6 +69,7 @@ class Body:
         liquid_height: m, zero for a solid.
         friction: coefficient as measured, without reserve.
         modes: of the liquid.
+        fixed: whether it is welded to the tray.
         swing: (2, j) displacements and velocities of every modal mass along its axes when the motion begins, m and m/s.
     """
 
@@ -84,6 +85,7 @@ class Body:
     friction: float
     modes: tuple[ModalMass, ...]
     swing: np.ndarray
+    fixed: bool = False
 
 
 def bodies_of(scene: Scene) -> tuple[Body, ...]:
@@ -145,6 +147,7 @@ def _body(cargo: Cargo, scene: Scene) -> Body:
             for mode in oscillators
         ),
         swing=coordinates(cargo.filling.initial_swing if cargo.filling else None, oscillators),
+        fixed=cargo.fixed,
     )
 
 

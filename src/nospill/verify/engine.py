@@ -1,10 +1,10 @@
 """The objects in MuJoCo, seen from the tray: the tray is a fixed plane, the world moves.
 
-Every object is a free rigid body that stands on small spheres along the outline of its bottom. A single cylinder would
-touch the plane at three points that are chosen anew, by rounding, while it stands upright; under a yaw moment of 60 %
-of what friction can hold it starts to spin. Fixed points do not wander. They lie on the rim, so friction resists a turn
-on the spot with mu N R, as it does for a cup that stands on its rim; a flat bottom under uniform pressure has two
-thirds of that, which is what the planner counts on.
+Every object that is not fixed is a free rigid body that stands on small spheres along the outline of its bottom. A
+single cylinder would touch the plane at three points that are chosen anew, by rounding, while it stands upright; under
+a yaw moment of 60 % of what friction can hold it starts to spin. Fixed points do not wander. They lie on the rim, so
+friction resists a turn on the spot with mu N R, as it does for a cup that stands on its rim; a flat bottom under
+uniform pressure has two thirds of that, which is what the planner counts on.
 
 A mode of a liquid is a point mass in a bowl, a paraboloid fixed to the container: two slides, sideways and up, with the
 height tied to the square of the displacement. Apparent gravity in the bowl is the spring, so the frequency follows it,
@@ -129,13 +129,14 @@ class Stepper:
         self.index = 0
         self._turning = skew(motion.angular_velocity)
         self._carried = carrying(motion.angular_velocity, motion.angular_acceleration)
-        self._free = np.array([model.joint(f"free{i}").qposadr[0] for i in range(len(bodies))], dtype=int)
+        self._loose = [index for index, body in enumerate(bodies) if not body.fixed]
+        self._places = np.array([_place(body) for body in bodies]).reshape(-1, 7)
+        self._free = np.array([model.joint(f"free{i}").qposadr[0] for i in self._loose], dtype=int)
         across = [i for i in range(model.njnt) if model.joint(i).name.startswith("across")]
         self._slots = model.jnt_qposadr[across]
         self._root = model.body_rootid[1:]
-        for address, body in zip(self._free, bodies, strict=True):
-            half = body.yaw / 2
-            self.data.qpos[address : address + 7] = (*body.position, 0.0, np.cos(half), 0.0, 0.0, np.sin(half))
+        for address, index in zip(self._free, self._loose, strict=True):
+            self.data.qpos[address : address + 7] = self._places[index]
         curvature = np.array([mode.curvature for body in bodies for mode in body.modes for _ in mode.axes])
         displacement, velocity = np.hstack([np.zeros((2, 0)), *(body.swing for body in bodies)])
         up = [i for i in range(model.njnt) if model.joint(i).name.startswith("up")]
@@ -173,11 +174,11 @@ class Stepper:
             ModelError: the engine lost the solution.
         """
         count = len(self._motion.t)
-        poses = np.empty((count, len(self._free), 7))
+        poses = np.tile(self._places, (count, 1, 1))
         modes = np.empty((count, len(self._slots)))
         columns = self._free[:, None] + np.arange(7)
         for now in range(count):
-            poses[now], modes[now] = self.data.qpos[columns], self.data.qpos[self._slots]
+            poses[now, self._loose], modes[now] = self.data.qpos[columns], self.data.qpos[self._slots]
             if now + 1 < count:
                 self.step()
         warnings = self._engine.mjtWarning
@@ -189,6 +190,12 @@ class Stepper:
         return Simulation(self._motion.t, poses[:, :, :3], poses[:, :, 3:], modes)
 
 
+def _place(body: Body) -> tuple[float, ...]:
+    """Where a body stands: bottom centre on the tray, m, and the quaternion (w, x, y, z) of its yaw."""
+    half = body.yaw / 2
+    return (*map(float, body.position[:2]), 0.0, float(np.cos(half)), 0.0, 0.0, float(np.sin(half)))
+
+
 def _body_text(index: int, body: Body) -> str:
     touch = (
         f'type="sphere" size="{CONTACT_RADIUS}" mass="0" friction="{body.friction} 0 0" {_CONTACT} '
@@ -196,8 +203,13 @@ def _body_text(index: int, body: Body) -> str:
     )
     contacts = "".join(f'<geom {touch} pos="{x:.17g} {y:.17g} {CONTACT_RADIUS}"/>' for x, y in body.contacts)
     modes = "".join(_mode_text(f"{index}-{number}", mode) for number, mode in enumerate(body.modes))
+    held = f'<freejoint name="free{index}"/>'
+    if body.fixed:  # a body without a joint is welded to the world, which is the tray here
+        held, contacts = "", ""
+    x, y, z, *turn = _place(body)
+    pose = f'pos="{x:.17g} {y:.17g} {z:.17g}" quat="{" ".join(f"{value:.17g}" for value in turn)}"'
     return (
-        f'<body name="object{index}" simple="false"><freejoint name="free{index}"/>'
+        f'<body name="object{index}" simple="false" {pose}>{held}'
         '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
         f"{contacts}{modes}</body>"
     )

@@ -294,11 +294,26 @@ def liquid_names(scene: Scene) -> tuple[str, ...]:
     return tuple(cargo.name for cargo in scene.cargo if cargo.filling)
 
 
+def open_names(scene: Scene) -> tuple[str, ...]:
+    """Names of the cargo whose liquid may spill: it has no lid."""
+    return tuple(cargo.name for cargo in scene.cargo if cargo.filling and not cargo.filling.lid)
+
+
+def loose_names(scene: Scene) -> tuple[str, ...]:
+    """Names of the cargo that is held by its weight alone."""
+    return tuple(cargo.name for cargo in scene.cargo if not cargo.fixed)
+
+
+def loose(sample: Sample) -> tuple[ObjectSample, ...]:
+    """The objects of a sample that are held by their weight alone."""
+    return tuple(item for item in sample.objects if not item.structure.fixed)
+
+
 def standing_names(scene: Scene) -> tuple[str, ...]:
-    """Names of the cargo that stands on the tray itself."""
-    return tuple(cargo.name for cargo in scene.cargo if not cargo.carrier)
+    """Names of the cargo that friction holds on the tray itself."""
+    return tuple(cargo.name for cargo in scene.cargo if not (cargo.carrier or cargo.fixed))
 
 
 def standing(sample: Sample) -> tuple[ObjectSample, ...]:
-    """The objects of a sample that stand on the tray itself."""
-    return tuple(item for item in sample.objects if not item.structure.in_carrier)
+    """The objects of a sample that friction holds on the tray itself."""
+    return tuple(item for item in loose(sample) if not item.structure.in_carrier)

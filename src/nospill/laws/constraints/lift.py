@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nospill.core.frames import SX
-from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role
+from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, Range, Role, loose, loose_names
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -22,11 +22,9 @@ class Lift(Constraint):
     least_size = 1.0
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object."""
-        return tuple(cargo.name for cargo in scene.cargo)
+        """Every object that is not fixed."""
+        return loose_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """N/(m g) >= 0 per object."""
-        return tuple(
-            (Range(item.wrench.force[2] / item.numbers.weight, SX(0), None, SX(1)),) for item in sample.objects
-        )
+        return tuple((Range(item.wrench.force[2] / item.numbers.weight, SX(0), None, SX(1)),) for item in loose(sample))

@@ -39,7 +39,7 @@ class ResidualHeight(Constraint):
     limit_key = MotionKey("residual_fraction", "ratio", largest=1.0)
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object with liquid."""
+        """Every object with liquid: what swings on under a lid could push it off its place."""
         return liquid_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:

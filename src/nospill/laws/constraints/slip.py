@@ -53,7 +53,7 @@ class Slip(Constraint):
     limit_key = ObjectKey("friction")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object that stands on the tray itself."""
+        """Every object that friction holds on the tray itself."""
         return standing_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, ObjectKey, Role, liquid_names
+from nospill.laws.constraints.base import Budget, Cone, Constraint, EvaluationPoint, ObjectKey, Role, open_names
 from nospill.laws.sample import Sample
 from nospill.scene.scene import Scene
 
@@ -23,8 +23,8 @@ class SloshHeight(Constraint):
     limit_key = ObjectKey("max_slosh_height")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object with liquid."""
-        return liquid_names(scene)
+        """Every object with liquid and no lid."""
+        return open_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One cone for a circular wall, two bands for a box, a band for every place of the wall of one that turns."""
@@ -34,5 +34,5 @@ class SloshHeight(Constraint):
                 for demand in item.wall_vectors
             )
             for item in sample.objects
-            if item.structure.liquid
+            if item.structure.open
         )

@@ -11,6 +11,8 @@ from nospill.laws.constraints.base import (
     EvaluationPoint,
     ObjectKey,
     Role,
+    loose,
+    loose_names,
 )
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.scene.scene import Scene
@@ -40,12 +42,12 @@ class Tip(Constraint):
     limit_key = ObjectKey("centre_of_mass")
 
     def subjects(self, scene: Scene) -> tuple[str, ...]:
-        """Every object."""
-        return tuple(cargo.name for cargo in scene.cargo)
+        """Every object that is not fixed."""
+        return loose_names(scene)
 
     def budgets(self, sample: Sample) -> tuple[tuple[Budget, ...], ...]:
         """One cone for a disc, one band per side for a rectangle."""
-        return tuple(_budgets(item) for item in sample.objects)
+        return tuple(_budgets(item) for item in loose(sample))
 
 
 def _budgets(item: ObjectSample) -> tuple[Budget, ...]:

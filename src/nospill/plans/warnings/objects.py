@@ -34,7 +34,7 @@ def hardly_meant(facts: Facts) -> Iterator[PlanWarning]:
             deep = format_quantity(item.filling.depth, "length", digits=3)
             text = f"its liquid is {deep} deep at rest; liquid_height counts from the bottom of the object: compare it."
             yield PlanWarning("liquid height", item.name, text, item.filling.depth, _FILM)
-        if not item.carrier and item.friction > _GREATEST_FRICTION:
+        if not (item.carrier or item.fixed) and item.friction > _GREATEST_FRICTION:
             text = f"its friction of {item.friction:.3g} is more than rubber has on most surfaces; compare it."
             yield PlanWarning("friction", item.name, text, item.friction, _GREATEST_FRICTION)
     per_area = scene.tray.mass / float(np.prod(scene.tray.size))
