@@ -61,6 +61,8 @@ from nospill.scenario.path_entries import WaypointsPath as WaypointsPath
 from nospill.scene.scene import Scene as Scene
 from nospill.simulation.simulate import simulate_slosh as simulate_slosh
 from nospill.stopping.stops import stops as stops
+from nospill.sweeps.bounds import Bound as Bound
+from nospill.sweeps.bounds import largest as largest
 from nospill.sweeps.record import Sweep as Sweep
 from nospill.sweeps.sweeping import sweep as sweep
 
