@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -78,7 +79,7 @@ class Trials:
         duration, why_not = self._outcome(number, value, cold)
         found = Tried(value, number, duration, why_not)
         before = self._found.get(number)
-        if before is None or found.does or before.duration is None:
+        if before is None or (found.duration or math.inf) < (before.duration or math.inf):
             self._found[number] = found
         if self._progress is not None:
             self._progress(found)
@@ -92,6 +93,8 @@ class Trials:
             return None, " ".join(str(error).split())
         if not plan.certificate.ok:
             return plan.duration, describe(plan.certificate.worst)
+        if not self._plans:
+            self._near = planner  # none does yet: the value before is nearer than nothing
         if plan.duration > self._within * (1.0 + 1e-9):
             return plan.duration, _seconds(plan.duration)
         self._near, self._plans[number] = planner, plan
