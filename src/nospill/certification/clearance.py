@@ -58,7 +58,13 @@ def clearance_rows(
 
 
 def clearance_traces(
-    scene: Scene, t: np.ndarray, q: np.ndarray, rows: Iterable[Row], *, listed: Collection[str] = ()
+    scene: Scene,
+    t: np.ndarray,
+    q: np.ndarray,
+    rows: Iterable[Row],
+    *,
+    listed: Collection[str] = (),
+    instants: int = _INSTANTS,
 ) -> tuple[Trace, ...]:
     """Distances over time of some pairs, at some instants; the rows hold between them too.
 
@@ -68,11 +74,12 @@ def clearance_traces(
         q: (m, n) joint positions, rad.
         rows: of the pairs that are followed.
         listed: subjects of the pairs with rows of their own, which the row of all others leaves out.
+        instants: at most so many.
     """
     subjects = {row.subject for row in rows}
     if not subjects:
         return ()
-    some = np.unique(np.linspace(0, len(t) - 1, _INSTANTS).astype(int))
+    some = np.unique(np.linspace(0, len(t) - 1, instants).astype(int))
     frames, every = joint_frames(arm_chain(scene.robot), q[some]), np.arange(len(some))
     histories: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     for pair in scene_pairs(scene):

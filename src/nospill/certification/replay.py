@@ -7,7 +7,8 @@ with the arm at rest before and after; a receiver that moves otherwise between i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Any
 
 import casadi as ca
@@ -127,6 +128,45 @@ def replay(
         slosh_velocity=states[:, count:],
         slosh_error=error,
     )
+
+
+def coarse_replays(
+    scene: Scene, motions: Sequence[JointMotion], start: float, stop: float, *, rate: float, halvings: int = 0
+) -> tuple[Replay, ...]:
+    """Replays of some motions on one grid of this rate, Hz, the liquids integrated once: for differences between them.
+
+    They may go on for a few periods. The liquids take steps of 2^halvings periods, with cubics between. With 1 kHz and
+    steps of one uses agree with those of `replay` within 0.2 % of a limit; what the integration is off by is not known.
+    """
+    longer = 2**halvings
+    count = longer * max(1, int(np.ceil((stop - start) * rate / longer - 1e-6)))
+    grid, step = start + np.arange(2 * count + 1) / (2.0 * rate), 1.0 / rate
+    joints = [np.concatenate([motion(grid, order) for motion in motions]) for order in range(3)]
+    tray, body = tray_from_joints(scene, joints)
+    coordinates, found = coordinate_count(structure_of(scene)), []
+    for index in range(len(motions)):
+        own = slice(index * len(grid), (index + 1) * len(grid))
+        states = np.empty((count + 1, 0))
+        if coordinates:
+            states = _integrate(scene, body[:, own][:, ::longer], longer * step)
+            for halving in range(halvings):
+                states = _with_middles(states, longer * step / 2**halving)
+        every = slice(own.start, own.stop, 2)
+        found.append(
+            Replay(
+                t=grid[::2],
+                rate=rate,
+                joint_position=joints[0][every],
+                joint_speed=joints[1][every],
+                joint_acceleration=joints[2][every],
+                tray=ToolMotions(*(getattr(tray, item.name)[every] for item in fields(tray))),
+                body=body[:, every],
+                slosh_displacement=states[:, :coordinates],
+                slosh_velocity=states[:, coordinates:],
+                slosh_error=float("nan"),
+            )
+        )
+    return tuple(found)
 
 
 def _coarsest_rate(scene: Scene, rate: float) -> float:

@@ -142,6 +142,7 @@ def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> 
     lines += [f"direct way blocked: {outcome.report.blocked_way}"] if outcome.report.blocked_way else []
     lines += [f"held back: {outcome.limiting_text}"] if outcome.limiting_text else []
     lines += [outcome.savings_text] if outcome.savings_text else []
+    lines += [outcome.survival_text] if outcome.survival_text else []
     lines += outcome.comparison
     lines += _choices(outcome)
     lines.append(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")

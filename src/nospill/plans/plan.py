@@ -20,6 +20,7 @@ from nospill.certification.histories import ContactLoad, History, ModalStates, c
 from nospill.certification.limiting import limiting_text, savings_text
 from nospill.certification.other_speeds import SpeedUse, uses_at
 from nospill.certification.replay import tray_from_joints
+from nospill.certification.survival import Survival, survival
 from nospill.certification.verdict import Certificate
 from nospill.certification.wording import describe, finding, full_model_note, remedy
 from nospill.laws.constraints.base import RowId
@@ -100,6 +101,16 @@ class Plan:
     def savings_text(self) -> str:
         """What a wider limit would save, in one sentence without a full stop; empty where nothing is known."""
         return savings_text(self.report.savings, self.scene.robot.joints)
+
+    @cached_property
+    def survival(self) -> Survival | None:
+        """What it survives of an arm that does not quite track it, found once; None of an empty tray."""
+        return self.maxima.survival or survival(self.trajectory, self.scene, self.certificate.rows)
+
+    @property
+    def survival_text(self) -> str:
+        """The same in a sentence without a full stop, of a plan that was printed or saved; else empty."""
+        return "" if self.maxima.survival is None else self.maxima.survival.text
 
     @property
     def comparison(self) -> tuple[str, ...]:
@@ -204,13 +215,14 @@ class Plan:
         return replace(self, report=replace(self.report, phases={**self.report.phases, phase: seconds}))
 
     def with_second_looks(self) -> Plan:
-        """The plan with what the full model sees in addition to its certificate, and what it uses at lower speeds."""
+        """The plan with what the full model sees, what it uses at lower speeds, and what it survives of its arm."""
         found = replace(self, certificate=with_full_model(self.certificate, self.trajectory, self.scene))
+        found = replace(found, maxima=replace(found.maxima, survival=self.survival))
         if self.maxima.other_speeds is not None:
             return found
         uses = uses_at(self.trajectory, self.scene)
         warnings = (*self.warnings, *slower_warnings(self.scene, self.evidence, uses, found.certified_speeds))
-        return replace(found, maxima=replace(self.maxima, other_speeds=uses), warnings=warnings)
+        return replace(found, maxima=replace(found.maxima, other_speeds=uses), warnings=warnings)
 
     def save(
         self, folder: str | Path, *, extra: Callable[[Path], None] | None = None, time_writing: bool = False
@@ -328,6 +340,14 @@ def _speeds_read(found: list[dict[str, Any]] | None) -> tuple[SpeedUse, ...] | N
     return None if found is None else tuple(SpeedUse(**item) for item in found)
 
 
+def _survival_written(found: Survival | None) -> dict[str, Any] | None:
+    return None if found is None else found.to_dict()
+
+
+def _survival_read(found: dict[str, Any] | None) -> Survival | None:
+    return None if found is None else Survival.of_dict(found)
+
+
 def _settling(plan: Plan) -> float | None:
     found = settling_time(plan.scene, plan.certificate)
     return found if np.isfinite(found) else None
@@ -391,6 +411,8 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "other_speeds": _Kept("maxima", "other_speeds", _speeds_written, _speeds_read),
     "largest_use_at_lower_speeds": _Computed(_largest_uses),
     "safe_at_lower_speeds": _Computed(_safe_at_lower_speeds),
+    "survives": _Computed(lambda plan: plan.survival_text),
+    "survival": _Kept("maxima", "survival", _survival_written, _survival_read),
     "settling_s": _Computed(_settling),
     "would_save": _Computed(lambda plan: plan.savings_text),
     "savings_s": _Kept("report", "savings", from_json=_fractions),

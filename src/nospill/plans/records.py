@@ -10,6 +10,7 @@ import numpy as np
 from nospill.certification.certificate import Judgement
 from nospill.certification.limiting import limiting_rows
 from nospill.certification.other_speeds import SpeedUse
+from nospill.certification.survival import Survival
 from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
@@ -29,6 +30,7 @@ class MotionMaxima:
         residual_height: m, by object with liquid.
         time_at_limit: part of the motion's time for which it is at a limit that it comes near, by label of the row.
         other_speeds: uses of the limits on objects at lower speeds; None where nobody has looked.
+        survival: what the motion survives of an arm that does not quite track it; None where nobody has looked.
     """
 
     tray_acceleration: float
@@ -39,6 +41,7 @@ class MotionMaxima:
     residual_height: dict[str, float]
     time_at_limit: dict[str, float] = field(default_factory=dict)
     other_speeds: tuple[SpeedUse, ...] | None = None
+    survival: Survival | None = None
 
 
 GIVEN = "given"

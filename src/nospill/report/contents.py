@@ -112,7 +112,7 @@ def make_report(
         evidence=evidence,
         ok=certificate.ok,
         verdict=certificate.word,
-        detail=detail + _beyond(certificate),
+        detail=detail + _beyond(certificate) + _survives(plan),
         tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
         checksum=digest,
@@ -133,6 +133,12 @@ def _beyond(certificate: Certificate) -> str:
         return ""
     by = "Judged by the published equations; " if certificate.published else ""
     return f" {by}{note if by else note[:1].upper() + note[1:]}."
+
+
+def _survives(plan: Plan) -> str:
+    """What the motion survives of its arm, as a sentence; empty where nobody has looked."""
+    text = plan.survival_text
+    return f" It {text}." if text else ""
 
 
 def certificate_table(certificate: Certificate, *, everything: bool) -> TextTable:

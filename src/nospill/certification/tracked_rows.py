@@ -1,0 +1,178 @@
+"""What arms that do not quite track their command make of a plan: uses of its limits over time, by coarse replays.
+
+Every limit on liquids and contacts is looked at, and the distances of the bodies that come near each other. Nothing is
+kept in reserve: what counts is the friction that was measured, the whole footprint and the rim, so that a use of one is
+where something spills, slides, turns, tips, lifts or touches, however high a liquid swings below its rim.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nospill.certification.clearance import clearance_traces
+from nospill.certification.replay import Replay, coarse_replays
+from nospill.certification.rims import rims_below
+from nospill.certification.run import Run, of_joints_alone, run_of
+from nospill.certification.traces import constraint_traces, evaluated_traces
+from nospill.certification.verdict import Row, Trace, limit_use
+from nospill.laws.constraints.base import EvaluationPoint, Role, RowId
+from nospill.laws.constraints.clearance import Clearance
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.laws.like_objects import hull_objects
+from nospill.motion.interpolation import JointMotion
+from nospill.motion.trajectory import Trajectory
+from nospill.scene.carriers import with_modes
+from nospill.scene.scene import Scene
+
+_RATE = 1000.0
+"""Hz, of the replays: with 20 modes uses agree with the judge's within 0.2 % of a limit."""
+_NEAR = 0.04
+"""m; pairs of bodies that come nearer to their limit than this are followed."""
+_INSTANTS = 101
+"""At which they are."""
+_WHOLE = 0.008
+"""s, of which every replay has a whole number, so that instants of one are instants of another."""
+_SLOW_RATE = 250.0
+"""Hz, of the steps of liquids with few modes, at least."""
+_MODES = 3
+"""Of a liquid, with which differences between replays are made."""
+
+Uses = Mapping[RowId, np.ndarray]
+"""Use of a limit over time, (m,), by row; of a row on the end one value."""
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """A plan to be played by other arms.
+
+    Attributes:
+        scene: with the outer ones of like objects alone, their reserves nothing.
+        record: the plan, until the joints stand.
+        motion: what the joints do where the arm tracks as it is stated.
+        near: rows of the pairs of bodies that come near their limits.
+        freeboards: of every liquid, from its level to where the plane of its crest meets the rim, m.
+        rate: of the replays, Hz.
+        few_modes: whether each liquid has few of its modes.
+    """
+
+    scene: Scene
+    record: Trajectory
+    motion: JointMotion
+    near: tuple[Row, ...]
+    freeboards: Mapping[str, float]
+    rate: float = _RATE
+    few_modes: bool = False
+
+    @classmethod
+    def of(cls, trajectory: Trajectory, scene: Scene, rows: Sequence[Row] = ()) -> Followed:
+        """The plan of a scene with nothing in reserve; `rows` of its certificate say which bodies come near."""
+        run = run_of(trajectory, scene.controller)
+        cargo = tuple(replace(item, friction_reserve=0.0, footprint_reserve=0.0) for item in scene.cargo)
+        return cls.of_run(run, replace(scene, cargo=cargo), rows)
+
+    @classmethod
+    def of_run(cls, run: Run, scene: Scene, rows: Sequence[Row]) -> Followed:
+        """A run of a scene, with its reserves."""
+        near = tuple(row for row in rows if row.constraint == Clearance.name and row.worst_margin < _NEAR)
+        alone = of_joints_alone(replace(scene, cargo=hull_objects(scene)))
+        return cls(alone, run.record, run.motion or run.record.motion, near, _freeboards(alone))
+
+    @property
+    def joints(self) -> int:
+        """How many."""
+        return len(self.record.joints)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time of the record, s."""
+        return float(self.record.t[0]), float(self.record.t[-1])
+
+    @property
+    def halvings(self) -> int:
+        """Of the steps of the liquids, to the rate of the replays: few modes are slow."""
+        return max(0, int(np.log2(self.rate / _SLOW_RATE))) if self.few_modes else 0
+
+    def with_few_modes(self) -> Followed:
+        """The same with few modes of each liquid: for differences between replays."""
+        cargo = tuple(with_modes(item, min(_MODES, self.scene.slosh_modes)) for item in self.scene.cargo)
+        return replace(self, scene=replace(self.scene, cargo=cargo), few_modes=True)
+
+    def only(self, subjects: Collection[str]) -> Followed:
+        """The same with nothing on the tray but some objects, and some pairs of bodies; all where one is neither."""
+        cargo = tuple(item for item in self.scene.cargo if item.name in subjects)
+        near = tuple(row for row in self.near if row.subject in subjects)
+        known = {item.name for item in cargo} | {row.subject for row in near}
+        # a distance needs every body that is there
+        if near or known != set(subjects):
+            return self
+        return replace(self, scene=replace(self.scene, cargo=cargo), near=near)
+
+    def rows(self, *motions: JointMotion, after: float = 0.0, at_end: bool = True) -> tuple[Uses, ...]:
+        """The uses of what may happen under some motions of the joints.
+
+        Args:
+            motions: what they do.
+            after: s that it may last longer than the plan.
+            at_end: whether rows on the final state are among them.
+        """
+        replays = self.played(motions, after=after)
+        found = [{} for _ in replays]
+        for trace in (*self._during(replays), *self._distances(replays)):
+            use = self._use(trace)
+            if use is not None:
+                for own, part in zip(found, np.split(use, len(replays)), strict=True):
+                    own[trace.id] = part
+        for own, played in zip(found, replays if at_end else (), strict=False):
+            traces = constraint_traces(self.recorded(played), self.scene, played, points=(EvaluationPoint.END,))
+            own |= {trace.id: use for trace in traces if (use := self._use(trace)) is not None}
+        return tuple(found)
+
+    def played(self, motions: Sequence[JointMotion], *, after: float = 0.0) -> tuple[Replay, ...]:
+        """Replays of some motions of the joints; arguments as of `rows`."""
+        (start, stop), samples = self.span, self.record.rate
+        # jerks jump at the samples of the record: they are instants of every grid that is finer
+        rate = samples * float(np.ceil(self.rate / samples - 1e-9)) if self.rate > samples else self.rate
+        whole = start + float(np.ceil((stop + after - start) / _WHOLE - 1e-6)) * _WHOLE
+        return coarse_replays(self.scene, motions, start, whole, rate=rate, halvings=self.halvings)
+
+    def recorded(self, played: Replay) -> Trajectory:
+        """A replay as a record."""
+        joints = played.joint_position, played.joint_speed, played.joint_acceleration
+        return Trajectory.of_joints(played.t, self.record.joints, *joints)
+
+    def _during(self, replays: Sequence[Replay]) -> tuple[Trace, ...]:
+        """Traces of the rows on objects during all replays, one after the other."""
+        columns = [[item.body, item.slosh_displacement.T, item.slosh_velocity.T] for item in replays]
+        joined = [np.hstack(own) for own in zip(*columns, strict=True)]
+        return evaluated_traces(self.scene, {EvaluationPoint.OBJECT: (np.arange(joined[0].shape[1]), joined)})
+
+    def _distances(self, replays: Sequence[Replay]) -> tuple[Trace, ...]:
+        """Likewise of the distances that are near, at some instants."""
+        some = np.linspace(0, len(replays[0].t) - 1, _INSTANTS).astype(int)
+        joints = np.concatenate([item.joint_position[some] for item in replays])
+        return clearance_traces(self.scene, np.arange(len(joints)), joints, self.near, instants=len(joints))
+
+    def _use(self, trace: Trace) -> np.ndarray | None:
+        constraint = trace.known
+        if constraint is None:
+            return None
+        if constraint.name == Clearance.name:
+            return limit_use(constraint, np.zeros_like(trace.value), trace.value)
+        if constraint.name in (SloshHeight.name, ResidualHeight.name):
+            return np.abs(trace.value) / self.freeboards[trace.subject]
+        return trace.use if constraint.role is Role.CONTACT else None
+
+
+def _freeboards(scene: Scene) -> dict[str, float]:
+    """Crest at which each liquid reaches its rim, m: as it is for the crest that is allowed."""
+    allowed = {item.name: item.filling.max_slosh_height for item in scene.cargo if item.filling is not None}
+    return {item.subject: allowed[item.subject] + item.edge.below_rim for item in rims_below(scene, allowed)}
+
+
+def worst_of(uses: Uses) -> tuple[float, RowId]:
+    """The largest use of all rows, and whose it is."""
+    return max((float(np.nan_to_num(np.max(use), nan=np.inf)), row) for row, use in uses.items())
