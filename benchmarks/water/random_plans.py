@@ -20,7 +20,6 @@ import numpy as np
 from benchmarks.campaign.scenes import draw_case
 from nospill.errors import NospillError
 from nospill.planning.planner import plan
-
 from nospill.scenario import scene_from_table
 from nospill.scene.heights import unsupported
 from nospill.verify import verify_water

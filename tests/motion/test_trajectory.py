@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -34,10 +35,12 @@ def trajectory_of(values: np.ndarray) -> Trajectory:
     def block(count: int) -> np.ndarray:
         return np.column_stack([next(columns) for _ in range(count)])
 
+    single: dict[str, Any] = {name: next(columns) for name in SINGLE}
+    wide: dict[str, Any] = {name: block(count) for name, count in WIDE.items()}
     return Trajectory(
-        **{name: next(columns) for name in SINGLE},
+        **single,
         joints=("shoulder", "elbow_rad", "theta"),
-        **{name: block(count) for name, count in WIDE.items()},
+        **wide,
         slosh={
             "cup": SloshTrack(block(2), block(2), next(columns)),
             "cup_slosh": SloshTrack(block(1), block(1), next(columns)),

@@ -7,7 +7,7 @@ that a file format is read in has its entry here.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -41,7 +41,7 @@ class JointSamples:
     position: np.ndarray
     speed: np.ndarray | None = None
     acceleration: np.ndarray | None = None
-    in_motion: bool = False
+    in_motion: bool = field(default=False, kw_only=True)
 
     @property
     def rate(self) -> float:

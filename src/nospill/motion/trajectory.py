@@ -6,7 +6,7 @@ import csv
 import io
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path as FilePath
 from typing import Any
@@ -82,7 +82,7 @@ class Trajectory:
     tray_position: np.ndarray
     tray_quaternion: np.ndarray
     slosh: dict[str, SloshTrack]
-    in_motion: bool = False
+    in_motion: bool = field(default=False, kw_only=True)
 
     @classmethod
     def of_joints(
