@@ -13,7 +13,6 @@ from nospill.certification.survival import Looked, delay_fault, survived
 from nospill.certification.tracked_rows import Followed
 from nospill.certification.verdict import limit_use
 from nospill.laws.constraints.base import Role, RowId
-from nospill.laws.scene_parameters import object_numbers
 from nospill.margins.laws import object_margins, simulate_arms
 from nospill.plans.plan import Plan
 from nospill.scene.controller import Controller
@@ -32,14 +31,13 @@ def test_the_first_of_all_arms_fails_within_a_tenth_of_the_delay(
     subject = RowId.of(found.first).subject
     (cargo,) = (item for item in plan.scene.cargo if item.name == subject)
     scene = replace(plan.scene, cargo=(replace(cargo, friction_reserve=0.0, footprint_reserve=0.0),))
-    numbers = [[object_numbers(scene.cargo[0], fidelity=scene.fidelity, gravity=scene.gravity)]]
     shares = [np.array(share) for share in product((0.0, 1.0), repeat=followed.joints)][1:-1]
 
     def worst(delay: float) -> float:
         arms = [Controller(delay * share, np.zeros_like(share)) for share in shares]
         uses = []
         for motion in simulate_arms(plan.trajectory, scene, arms, after=delay):
-            (own,) = object_margins(scene, numbers, motion)
+            (own,) = object_margins(scene, [list(scene.cargo)], motion)
             figures = zip(own.constraints, own.limit[0], own.margin[0], strict=True)
             uses += [
                 float(limit_use(item, limit, margin)) for item, limit, margin in figures if item.role is Role.CONTACT

@@ -26,7 +26,7 @@ def between_samples(trajectory: Trajectory, played: Replay) -> np.ndarray:
             (trajectory.s_acceleration, trajectory.tilt_acceleration),
         )
     )
-    samples = JointSamples(trajectory.t, columns, rates, changes, trajectory.in_motion)
+    samples = JointSamples(trajectory.t, columns, rates, changes, in_motion=trajectory.in_motion)
     return QUINTIC_SPLINE.motion(samples)(played.t).T
 
 

@@ -75,4 +75,4 @@ def sampled(motion: JointMotion, start: float, stop: float, rate: float, *, in_m
     position, speed, acceleration = (motion(start + t, order) for order in range(3))
     for column in (speed, acceleration):
         column[[-1] if in_motion else [0, -1]] = 0.0
-    return JointSamples(t, position, speed, acceleration, in_motion)
+    return JointSamples(t, position, speed, acceleration, in_motion=in_motion)
