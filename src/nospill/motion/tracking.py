@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_banded
 
 from nospill.core.hermite import cubic_hermite, cubic_hermite_slope
 from nospill.motion.control import followed
@@ -119,9 +118,11 @@ def elastic(motion: JointMotion, frequency: float, damping: float, start: float,
     slope_part = (decay - 1.0 - pole * step) / (pole**2 * step)
     first, last = (decay - 1.0) / pole - slope_part, slope_part
     pushes = first * driven[:-1] + last * driven[1:]
-    # z[k + 1] - exp(p h) z[k] = push[k] from rest, all steps at once
-    recursion = np.vstack([np.ones(count), np.full(count, -decay)])
-    states = np.vstack([np.zeros(driven.shape[1]), solve_banded((1, 0), recursion, pushes)])
+    # z[k + 1] = exp(p h) z[k] + push[k] from rest: sums over one step, two, four, until all are in it
+    states, reach = np.vstack([np.zeros(driven.shape[1]), pushes]), 1
+    while reach <= count:
+        states[reach:] += decay**reach * states[:-reach].copy()
+        reach *= 2
     offset = np.imag(states) / pole.imag
     velocity = np.real(states) + pole.real * offset
     return Elastic(motion, rate, damping, t, offset, velocity)
