@@ -43,6 +43,7 @@ from nospill.scenario import place_entry as _places
 from nospill.scenario import robot_entry as _robot
 from nospill.scenario import swing_entry as _swing
 from nospill.scenario import tolerance_entry as _tolerance
+from nospill.scenario import tracking_entry as _tracking
 from nospill.scenario.free_path_entry import FreePath as FreePath
 from nospill.scenario.joints_path_entry import JointsPath as JointsPath
 from nospill.scenario.loading import load as load
@@ -93,6 +94,8 @@ Tray = _model.TrayTable
 Place = _places.PlaceTable
 JointLimits = _robot.JointLimitsTable
 Robot = _robot.RobotTable
-Tolerance = _tolerance.ToleranceTable
+CargoTolerance = _tolerance.CargoToleranceTable
+Tolerance = _tracking.ToleranceTable
+Tracking = _tracking.TrackingTable
 
 __version__: str

@@ -24,6 +24,8 @@ from nospill.certification.record_checks import (
 from nospill.certification.replay import MINIMUM_RATE, Replay, replay
 from nospill.certification.run import COMMAND, command_traces, of_joints_alone, run_of
 from nospill.certification.traces import constraint_traces
+from nospill.certification.tracked_rows import Followed
+from nospill.certification.tracking_band import Band, band_of
 from nospill.certification.verdict import Certificate, Row, Trace, condensed, fullest, worst_row
 from nospill.collisions.pairs import self_collision
 from nospill.laws.constraints import constrained
@@ -51,6 +53,8 @@ class Judgement:
         end_time: of the motion without its holds, which begins at 0, s.
         corners: where numbers of the objects may be off, the rows of every variant; the certificate has the worst.
         corner_use: likewise the largest use over the variants at every instant of the replay, (m,), by row.
+        band: where the joints may be late, the rows over all of their band.
+        planned_rows: then the rows of the certificate without it.
         fullest: of every row but those of clearance the trace it is the worst instant of: of the variant that uses most
             of the limit, with the instants between those of the replay that were looked at.
     """
@@ -62,6 +66,8 @@ class Judgement:
     corners: tuple[Row, ...] = ()
     corner_use: Mapping[RowId, np.ndarray] = field(default_factory=dict)
     fullest: Mapping[RowId, Trace] = field(default_factory=dict)
+    band: Band | None = None
+    planned_rows: tuple[Row, ...] = ()
 
     @property
     def leaves_margin(self) -> bool:
@@ -70,8 +76,8 @@ class Judgement:
 
     @property
     def variant_rows(self) -> tuple[Row, ...]:
-        """The rows of every variant of every object, and the rows that are of no object."""
-        rows = self.certificate.rows
+        """The rows of every variant of every object, and the rows that are of no object; none over a band of arms."""
+        rows = self.planned_rows or self.certificate.rows
         if not self.corners:
             return rows
         objects = {row.constraint for row in self.corners}
@@ -148,15 +154,20 @@ def judge_motion(
         asked = replay(held, replace(scene, cargo=()), motion=run.described, rate=rate)
         of_record = [replace(trace, variant=COMMAND) for trace in record_traces(trajectory, held, scene, asked)]
         controls = (*(replace(trace, variant=COMMAND) for trace in controls), *tilt_traces(scene, judged.replay))
-    rows = (
-        *condensed([*judged.certificate.rows, *map(worst_row, (*controls, *of_command))]),
-        *map(worst_row, of_record),
-    )
+    planned = condensed([*judged.certificate.rows, *map(worst_row, (*controls, *of_command))])
+    band = None
+    if scene.tracking is not None:
+        followed = Followed.of_run(run, scene, planned)
+        band = band_of(followed, scene.tracking, judged.traces, judged.corner_use, judged.replay.t)
+    of_motion = planned if band is None else condensed([*planned, *band.rows])
+    rows = (*of_motion, *map(worst_row, of_record))
     return replace(
         judged,
         certificate=replace(judged.certificate, ok=all(row.ok for row in rows) and not scene.unjudged, rows=rows),
         traces=(*judged.traces, *controls),
         end_time=trajectory.end_time,
+        band=band,
+        planned_rows=() if band is None else (*planned, *map(worst_row, of_record)),
         fullest=fullest([*judged.fullest.values(), *controls, *of_command, *of_record]),
     )
 

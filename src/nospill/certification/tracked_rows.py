@@ -7,7 +7,7 @@ where something spills, slides, turns, tips, lifts or touches, however high a li
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from nospill.certification.rims import rims_below
 from nospill.certification.run import Run, of_joints_alone, run_of
 from nospill.certification.traces import constraint_traces, evaluated_traces
 from nospill.certification.verdict import Row, Trace, limit_use
-from nospill.laws.constraints.base import EvaluationPoint, Role, RowId
+from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, Role, RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
@@ -120,16 +120,38 @@ class Followed:
             at_end: whether rows on the final state are among them.
         """
         replays = self.played(motions, after=after)
-        found = [{} for _ in replays]
-        for trace in (*self._during(replays), *self._distances(replays)):
-            use = self._use(trace)
+        found = [dict(own) for own in self.during(replays, self._use)]
+        for own, played in zip(found, replays if at_end else (), strict=False):
+            traces = self._traces(played, (EvaluationPoint.END,))
+            own |= {trace.id: use for trace in traces if (use := self._use(trace)) is not None}
+        return tuple(found)
+
+    def during(
+        self, replays: Sequence[Replay], use_of: Callable[[Trace], np.ndarray | None] = lambda trace: trace.use
+    ) -> tuple[Uses, ...]:
+        """Uses of the rows on objects and of the distances that are near, during some replays of one length.
+
+        Args:
+            replays: evaluated one behind the other, in one call.
+            use_of: what a trace uses over time, or None for a row that is left out.
+        """
+        found: list[dict[RowId, np.ndarray]] = [{} for _ in replays]
+        for trace in (*self._on_objects(replays), *self._distances(replays)):
+            use = use_of(trace)
             if use is not None:
                 for own, part in zip(found, np.split(use, len(replays)), strict=True):
                     own[trace.id] = part
-        for own, played in zip(found, replays if at_end else (), strict=False):
-            traces = constraint_traces(self.recorded(played), self.scene, played, points=(EvaluationPoint.END,))
-            own |= {trace.id: use for trace in traces if (use := self._use(trace)) is not None}
         return tuple(found)
+
+    def traces(self, played: Replay) -> tuple[Trace, ...]:
+        """Traces of the rows on objects, those on the final state too, and of the distances that are near."""
+        near = clearance_traces(self.scene, played.t, played.joint_position, self.near)
+        return (*self._traces(played, OF_OBJECTS), *near)
+
+    def _traces(self, played: Replay, points: Collection[EvaluationPoint]) -> tuple[Trace, ...]:
+        joints = played.joint_position, played.joint_speed, played.joint_acceleration
+        record = Trajectory.of_joints(played.t, self.record.joints, *joints)
+        return constraint_traces(record, self.scene, played, points=points)
 
     def played(self, motions: Sequence[JointMotion], *, after: float = 0.0) -> tuple[Replay, ...]:
         """Replays of some motions of the joints; arguments as of `rows`."""
@@ -139,12 +161,7 @@ class Followed:
         whole = start + float(np.ceil((stop + after - start) / _WHOLE - 1e-6)) * _WHOLE
         return coarse_replays(self.scene, motions, start, whole, rate=rate, halvings=self.halvings)
 
-    def recorded(self, played: Replay) -> Trajectory:
-        """A replay as a record."""
-        joints = played.joint_position, played.joint_speed, played.joint_acceleration
-        return Trajectory.of_joints(played.t, self.record.joints, *joints)
-
-    def _during(self, replays: Sequence[Replay]) -> tuple[Trace, ...]:
+    def _on_objects(self, replays: Sequence[Replay]) -> tuple[Trace, ...]:
         """Traces of the rows on objects during all replays, one after the other."""
         columns = [[item.body, item.slosh_displacement.T, item.slosh_velocity.T] for item in replays]
         joined = [np.hstack(own) for own in zip(*columns, strict=True)]

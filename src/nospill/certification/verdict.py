@@ -35,6 +35,11 @@ def limit_use(constraint: Constraint | None, limit: np.ndarray | float, margin: 
     return np.where(missing, np.inf, use) if missing.any() else use
 
 
+def margin_at(constraint: Constraint | None, limit: np.ndarray, use: np.ndarray) -> np.ndarray:
+    """The margin (m,) at some uses of a limit, in the constraint's unit: `limit_use` the other way round."""
+    return (1.0 - use) * _size(constraint, limit)
+
+
 def _size(constraint: Constraint | None, limit: np.ndarray | float) -> np.ndarray:
     least, size = 0.0 if constraint is None else constraint.least_size, np.abs(limit)
     return np.maximum(size, least) if least > 0.0 else np.where(size > 0.0, size, 1.0)

@@ -173,7 +173,8 @@ def margins(
     """Draw friction, fill, damping, place and mass anew and report what is left of a plan's margins.
 
     Drawn are the scenario's tolerances, where it states any; else friction +-10 %, fill +-2 mm, damping x0.5 to x2,
-    place +-1 mm and mass +-2 %. An option counts for all objects. Delay and lag of the arm are drawn where asked for.
+    place +-1 mm and mass +-2 %. An option counts for all objects. Delay and lag of the arm are drawn where asked for,
+    and from tolerance.tracking where the scenario states it.
     """
     with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
         from nospill.core.files import atomic_folder, require_replaceable
@@ -190,7 +191,7 @@ def margins(
         report = study(
             plan,
             ranges=[replace(own, **given) for own in scenario_ranges(plan.scene)],
-            arm=ArmRanges(**times),
+            arm=None if delay is None and lag is None else ArmRanges(**times),
             samples=samples,
             seed=seed,
             progress=lambda done, total: progress.say("draw", f"{done} of {total}"),
@@ -302,7 +303,9 @@ def _print_margins(report: MarginsReport) -> None:
         "tip": report.tip,
         "any limit of the certificate": report.any_limit,
     }
-    if not report.arm.certain:
+    if report.arms and report.arm.certain:
+        print_lines(f"arm: {report.arms} drawn from the band of the scenario (tolerance.tracking)")
+    elif report.arms:
         print_lines(
             f"arm: {report.arms} drawn, delay +- {1e3 * report.arm.delay:g} ms and lag +- {1e3 * report.arm.lag:g} ms "
             "of every joint about the controller's"

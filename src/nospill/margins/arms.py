@@ -40,12 +40,25 @@ class ArmRanges:
         return self.delay == 0.0 and self.lag == 0.0
 
 
-def draw_arms(scene: Scene, ranges: ArmRanges, count: int, *, seed: int) -> tuple[tuple[Controller, ...], float]:
-    """So many arms, and how much longer than planned the latest of them may move, s."""
+def draws_arms(scene: Scene, ranges: ArmRanges | None) -> bool:
+    """Whether any arm is drawn: from ranges, or where none are given from the band that the scenario states."""
+    return scene.tracking is not None if ranges is None else not ranges.certain
+
+
+def draw_arms(scene: Scene, ranges: ArmRanges | None, count: int, *, seed: int) -> tuple[tuple[Controller, ...], float]:
+    """So many arms, from ranges or the scenario's band, and how much longer than planned the latest may move, s."""
     joints = len(scene.robot.joints)
     stated = scene.controller or Controller(np.zeros(joints), np.zeros(joints))
     # a stream of its own: with that of the objects' numbers, arms and objects would be off together
     off = np.random.default_rng([seed, 1]).uniform(-1.0, 1.0, size=(count, 2, joints))
+    if ranges is None:
+        assert scene.tracking is not None
+        band = scene.tracking
+        arms = tuple(
+            Controller(stated.delay + delay * band.delay, stated.lag + lag * band.lag)
+            for delay, lag in 0.5 * (1.0 + off)
+        )
+        return arms, float(np.max(band.delay)) + _DIES * float(np.max(stated.lag + band.lag))
     arms = tuple(
         Controller(np.maximum(stated.delay + ranges.delay * delay, 0.0), np.maximum(stated.lag + ranges.lag * lag, 0.0))
         for delay, lag in off

@@ -78,9 +78,9 @@ def draw(ranges: Sequence[Ranges], samples: int, *, seed: int) -> np.ndarray:
 def scenario_ranges(scene: Scene) -> tuple[Ranges, ...]:
     """Of every object: its tolerance if the scenario states any, else the general ranges.
 
-    A scenario that states tolerances is taken at its word: what they do not name is certain.
+    A scenario that states tolerances, of objects or joints, is taken at its word: what they do not name is certain.
     """
-    if not is_uncertain(scene):
+    if not is_uncertain(scene) and scene.tracking is None:
         return (Ranges(),) * len(scene.cargo)
     return tuple(_of(cargo) for cargo in scene.cargo)
 

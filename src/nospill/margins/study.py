@@ -19,7 +19,7 @@ from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tip import Tip
 from nospill.laws.constraints.twist import Twist
-from nospill.margins.arms import ArmRanges, draw_arms
+from nospill.margins.arms import ArmRanges, draw_arms, draws_arms
 from nospill.margins.drawn_object import drawn_object
 from nospill.margins.laws import Margins, TrayMotion, object_margins, simulate_arms, tray_motion
 from nospill.margins.ranges import FACTORS, Ranges, draw, scenario_ranges
@@ -89,7 +89,7 @@ def margins(
         plan: certified or not.
         ranges: how far the numbers may be off, of all objects alike or of each; what the scenario states when left
             out (`scenario_ranges`).
-        arm: how far delay and lag of the joints may be off; not at all when left out.
+        arm: how far delay and lag of the joints may be off; when left out the band that the scenario states, if any.
         samples: how many sets of numbers, 1 to 1,000,000.
         seed: of the draw; the same seed gives the same figures.
         progress: called after each batch.
@@ -120,7 +120,7 @@ def margins(
         changed.append([drawn_object(cargo, item, scene) for item in own])
     total = samples + len(labels) + 1
     parts, done = [], 0
-    for motion, part in _motions(plan, arm or ArmRanges(), samples, total, seed):
+    for motion, part in _motions(plan, arm, samples, total, seed):
         parts.append(object_margins(scene, [own[part] for own in changed], motion))
         done += len(range(*part.indices(total)))
         if progress is not None:
@@ -140,7 +140,7 @@ def margins(
         samples=samples,
         seed=seed,
         arm=arm or ArmRanges(),
-        arms=0 if arm is None or arm.certain else samples,
+        arms=samples if draws_arms(plan.scene, arm) else 0,
         nominal=float(worst[-1]),
         worst_margin=worst[drawn],
         draws=draws,
@@ -166,14 +166,16 @@ def _require_known_swing(cargo: Cargo, ranges: Ranges) -> None:
         )
 
 
-def _motions(plan: Plan, ranges: ArmRanges, samples: int, total: int, seed: int) -> Iterator[tuple[TrayMotion, slice]]:
+def _motions(
+    plan: Plan, ranges: ArmRanges | None, samples: int, total: int, seed: int
+) -> Iterator[tuple[TrayMotion, slice]]:
     """Motions of the tray and which sets of numbers are played along each.
 
     Of drawn arms every sample has one of its own, so that samples are independent of each other; the sets after them
     are played as planned, with as much rest at the end.
     """
     after, first = 0.0, 0
-    if not ranges.certain:
+    if draws_arms(plan.scene, ranges):
         arms, after = draw_arms(plan.scene, ranges, samples, seed=seed)
         for first, motion in enumerate(simulate_arms(plan.trajectory, plan.scene, arms, after=after)):
             yield motion, slice(first, first + 1)

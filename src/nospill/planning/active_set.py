@@ -8,7 +8,7 @@ the problem already gets a larger back-off.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -23,15 +23,11 @@ from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.planning.members import Members, backoff_by_order, relaxed_by_order, tightened, uses_of
 from nospill.planning.task import Task
-from nospill.planning.tightening import (
-    ROUGH,
-    beyond_backoff,
-    increased_jerk_weight,
-    relaxed_backoff,
-    shared_backoff,
-)
+from nospill.planning.tightening import ROUGH, beyond_backoff, increased_jerk_weight, relaxed_backoff, shared_backoff
+from nospill.planning.tracking_margins import heavier, joining, lighter, next_margins, raised_backoff
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
+from nospill.transcription.margins_along import Margin
 
 _NEAR = 0.3
 """Rows with this part of their limit left, or less, are near it."""
@@ -45,8 +41,15 @@ _OF_LAW = 5e-3
 """Part of its limit by which the linear part of a height may exceed what a problem leaves to it before modes join."""
 _OF_SUM = 0.3
 """Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
+_FAR = 0.05
+"""Part of a limit; a motion that is over one by more as planned is made for the arm as stated first."""
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
+
+
+def _far_over(judgement: Judgement) -> bool:
+    """Whether a motion breaks limits as planned by more than back-off takes away."""
+    return any(row.use > 1.0 + _FAR for row in judgement.variant_rows)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +70,7 @@ class ActiveSet:
             another objective.
         jerk_weight_factor: factor on them, above 1 where modes outside the problem swing too far at the end.
         excess: largest part of its limit by which a row on the final state was over it before the last back-off.
+        margins: what rows keep along the motion beside that, for arms that are late.
     """
 
     task: Task
@@ -81,6 +85,7 @@ class ActiveSet:
     expected: float | None = None
     jerk_weight_factor: float = 1.0
     excess: float = 0.0
+    margins: Mapping[RowId, Margin] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -165,6 +170,25 @@ class ActiveSet:
     def after(self, judgement: Judgement, slack: Mapping[RowId, float] = MappingProxyType({})) -> ActiveSet:
         """What the next problem has to hold after a motion was judged; itself where there is nothing to act on.
 
+        Where the joints may be late, what the rows are to keep for that too, beside what follows from the motion as
+        planned.
+        """
+        following, band = self._after(judgement, slack), judgement.band
+        if band is None or (max(band.use.values(), default=0.0) <= 1.0 and following is self):
+            return following
+        first = not self.margins
+        if following.scene is not self.scene or (first and _far_over(judgement)):
+            return following  # what the arm does as it is stated comes first
+        names = following.names
+        margins = next_margins(self.margins, band, names, judgement.end_time)
+        backoff = following.backoff if first else raised_backoff(following.backoff, band, names)
+        factor = heavier(following.jerk_weight_factor, band.use.items())
+        rows = following.rows | (joining(band, names) & following.possible)
+        return replace(following, rows=rows, margins=margins, backoff=backoff, jerk_weight_factor=factor)
+
+    def _after(self, judgement: Judgement, slack: Mapping[RowId, float]) -> ActiveSet:
+        """`after` for the arm as it is stated.
+
         Modes join first, of the liquids that break a limit, and objects without members; where modes that are left out
         swing too far at the end, the jerks weigh more. Then members join, the worst of `missing`. Where there is none,
         violated rows join, those in the problem get a larger back-off, and `far_peaks` join, which that does not reach.
@@ -213,6 +237,13 @@ class ActiveSet:
         relaxed = relaxed_backoff(self.backoff, uses_of(row for row in own if row.linear_value is None))
         return replace(self, backoff={**relaxed, **relaxed_by_order(own, self.backoff)})
 
+    def lightened(self, judgement: Judgement) -> ActiveSet:
+        """The set with the margins that a motion which holds over a band of arms needs, and jerks that weigh less."""
+        if judgement.band is None:
+            return self
+        margins = next_margins({}, judgement.band, self.names, judgement.end_time)
+        return replace(self, margins=margins, jerk_weight_factor=lighter(self.jerk_weight_factor))
+
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
@@ -223,7 +254,7 @@ class ActiveSet:
         grown = grown.with_backoff({**self.backoff, **spent}).with_backoff(residual)
         own = list(grown._on_members(judgement.variant_rows, own=True))
         grown = grown.with_backoff(backoff_by_order(own, grown.backoff))
-        grown = replace(grown, expected=self.expected, jerk_weight_factor=self.jerk_weight_factor)
+        grown = replace(grown, expected=self.expected, jerk_weight_factor=self.jerk_weight_factor, margins=self.margins)
         return grown.without_far(own)
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:

@@ -13,6 +13,7 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.log import Log
 from nospill.transcription.clearance_planes import Planes, separating
 from nospill.transcription.export_samples import export_samples
+from nospill.transcription.margins_along import with_margins
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
@@ -82,7 +83,7 @@ def exported(candidate: Candidate) -> Trajectory:
 def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = None) -> Problem:
     """The problem of the active set on a motion's grid, with some planes between bodies or those found about it."""
     objects, q = {name for name, _ in active.members}, node_positions(active.scene, motion)
-    return build_problem(
+    problem = build_problem(
         active.scene,
         motion.intervals,
         nominal_duration=active.expected or motion.duration,
@@ -95,6 +96,7 @@ def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = Non
         least_determinant=active.task.passage.determinant,
         planes=planes or separating(active.task.scene, active.rows, q, active.everywhere),
     )
+    return with_margins(problem, motion, active.margins) if active.margins else problem
 
 
 def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:

@@ -30,6 +30,7 @@ from nospill.planning.refinement import Judged, certify_by_refinement
 from nospill.planning.request import begun_in, earlier_plan, ignored_constraints, requested_scene
 from nospill.planning.search import PassageSearch, Search, find_motion, passage_searches, searcher
 from nospill.planning.task import Task
+from nospill.planning.tracking_margins import require_band
 from nospill.planning.warm_start import going_on, restart, restart_on_branch, start_off_path
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
@@ -112,6 +113,7 @@ def _plan(
     diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
     task = Task.of(scene, ignore)
     judged, instead = _first_certified(_offers(task, warm, rest, last, log), log)
+    require_band(scene, judged.judgement, ended=log.out_of_time)
     report = log.report(
         judged.candidate.solution.status,
         backoff=judged.candidate.active.increased(),
@@ -223,8 +225,8 @@ def _first_certified(offers: Iterator[Candidate | Judged | NoSolutionError], log
                 return one, on_path_instead(why) if one is offer else ""
             judged.append(one)
             why = why or finding(one.judgement.certificate)
-            if one.candidate.active.task.ignored:
-                break
+            if one.candidate.active.task.ignored or one.candidate.active.margins:
+                break  # another start does not make an arm less late
     except NoSolutionError as error:
         failures.append(error)
     if not judged:

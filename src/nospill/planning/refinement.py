@@ -109,7 +109,7 @@ def certify_by_refinement(candidate: Candidate, log: Log) -> Judged:
     Raises:
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
-    judged = _refine_until_certified(candidate, log)
+    judged = _lightened(_refine_until_certified(candidate, log), log)
     last, end = judged.candidate, judged.trajectory.end_time
     if not judged.judgement.certificate.ok or not last.has_converged or log.out_of_time:
         return judged
@@ -120,6 +120,18 @@ def certify_by_refinement(candidate: Candidate, log: Log) -> Judged:
             refined = again and _refine_until_certified(again, log)
             if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
                 return refined
+    return judged
+
+
+def _lightened(judged: Judged, log: Log) -> Judged:
+    """A motion that holds over a band of arms, refined once more from less of what that took; the shorter of both."""
+    if not judged.candidate.active.margins or not judged.judgement.certificate.ok or log.out_of_time:
+        return judged
+    with suppress(NoSolutionError):
+        again = _tighten(judged.candidate, judged.candidate.active.lightened(judged.judgement), log)
+        refined = again and _refine_until_certified(again, log)
+        if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < judged.trajectory.end_time:
+            return refined
     return judged
 
 
@@ -134,7 +146,7 @@ def _refine_until_certified(candidate: Candidate, log: Log) -> Judged:
             break
         log.rounds += 1
         if active.scene is before.active.scene:
-            tightened += active.jerk_weight_factor == before.active.jerk_weight_factor
+            tightened += bool(active.margins) or active.jerk_weight_factor == before.active.jerk_weight_factor
             start = before.stages
             better = _tighten(before, active, log)
             if better is None:
@@ -179,7 +191,8 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
 
 def _tighten(before: Candidate, active: ActiveSet, log: Log) -> Candidate | None:
     """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails."""
-    same = active.rows == before.active.rows and active.jerk_weight_factor == before.active.jerk_weight_factor
+    alike = active.margins is before.active.margins and active.jerk_weight_factor == before.active.jerk_weight_factor
+    same = alike and active.rows == before.active.rows
     barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)
     again = solved(active, before.stages, log, near_optimum(barrier, most), before if same else None, tightens=True)
     if not again.has_converged:

@@ -20,7 +20,8 @@ from nospill.certification.histories import ContactLoad, History, ModalStates, c
 from nospill.certification.limiting import limiting_text, savings_text
 from nospill.certification.other_speeds import SpeedUse, uses_at
 from nospill.certification.replay import tray_from_joints
-from nospill.certification.survival import Survival, survival
+from nospill.certification.survival import survival
+from nospill.certification.survived import Survival
 from nospill.certification.verdict import Certificate
 from nospill.certification.wording import describe, finding, full_model_note, remedy
 from nospill.laws.constraints.base import RowId

@@ -10,7 +10,7 @@ import numpy as np
 from nospill.certification.certificate import Judgement
 from nospill.certification.limiting import limiting_rows
 from nospill.certification.other_speeds import SpeedUse
-from nospill.certification.survival import Survival
+from nospill.certification.survived import Survival
 from nospill.laws.constraints.joint_speed import JointSpeed
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight

@@ -31,7 +31,7 @@ from nospill.scenario.fields import (
 from nospill.scenario.profile_files import MOST_POINTS, read_profile
 from nospill.scenario.swing_entry import SwingTable
 from nospill.scenario.tables import Given, OptionalQuantities, OptionalQuantity, Points, Quantity, Table, default, tag
-from nospill.scenario.tolerance_entry import ToleranceTable
+from nospill.scenario.tolerance_entry import CargoToleranceTable
 from nospill.scene.containers import CONTAINERS
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.vessels import Profile
@@ -190,7 +190,7 @@ class CargoTable(Table):
     ] = default(None)
 
     tolerance: Annotated[
-        ToleranceTable | None,
+        CargoToleranceTable | None,
         Field(description="the table [cargo.tolerance]: how far this object's numbers may be off"),
     ] = None
 

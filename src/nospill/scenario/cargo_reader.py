@@ -14,7 +14,7 @@ from nospill.errors import ScenarioError
 from nospill.scenario.cargo_entries import CargoTable, LiquidTable
 from nospill.scenario.rest_reasons import fill_reason
 from nospill.scenario.swing_entry import require_swing
-from nospill.scenario.tolerance_entry import ToleranceTable, tolerance_of
+from nospill.scenario.tolerance_entry import CargoToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.containers.footprints import DiscFootprint
@@ -47,7 +47,7 @@ def read_cargo(
     footprint_reserve: float,
     fidelity: Fidelity,
     slosh_modes: int,
-    tolerance: ToleranceTable | None = None,
+    tolerance: CargoToleranceTable | None = None,
 ) -> Cargo:
     """Build one object.
 

@@ -69,10 +69,10 @@ class ControllerTable(Table):
         """
         tolerance, interface = self.tracking_tolerance, self._interface(robot)
         return Controller(
-            delay=_of_joints(self.delay, "delay", robot),
-            lag=_of_joints(self.lag, "lag", robot),
+            delay=joint_values(self.delay, "delay", robot),
+            lag=joint_values(self.lag, "lag", robot),
             compensate=self.compensate,
-            tracking_tolerance=None if tolerance is None else _of_joints(tolerance, "tracking_tolerance", robot),
+            tracking_tolerance=None if tolerance is None else joint_values(tolerance, "tracking_tolerance", robot),
             interface=interface,
             update_rate=0.0 if interface is None else interface.rate_of(self.update_rate),
             points=self.points,
@@ -91,7 +91,12 @@ class ControllerTable(Table):
         return None
 
 
-def _of_joints(given: float | tuple[float, ...], key: str, robot: Robot) -> np.ndarray:
+def joint_values(given: float | tuple[float, ...], key: str, robot: Robot) -> np.ndarray:
+    """One value for every joint of an arm, (n,), read-only.
+
+    Raises:
+        ScenarioError: a list of another length; the message starts with the key.
+    """
     if isinstance(given, tuple) and len(given) != len(robot.joints):
         values = "1 value" if len(given) == 1 else f"{len(given)} values"
         names = ", ".join(robot.joints)

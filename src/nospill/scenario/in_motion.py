@@ -21,11 +21,13 @@ def require_may_begin_in_motion(scenario: Scenario) -> None:
         return
     rules, path = scenario.motion, scenario.path
     late = scenario.controller is not None and scenario.controller.is_late
+    band = scenario.tolerance is not None and scenario.tolerance.tracking is not None
     reasons = {
         "[approach]": (scenario.approach is not None, "comes before the motion, and ends at rest"),
         "motion.hold_before": (rules.hold_before > 0.0, "is rest before the motion"),
         "motion.speed_range": (rules.speed_range is not None, "is of motions whose beginning is slower as well"),
         "[controller] with delay or lag": (late, "asks for the joints ahead of time, before the motion begins"),
+        "tolerance.tracking": (band, "is about joints that were late before the motion too, which nothing knows"),
         "path.corridor": (path.width is not None, "leaves open where beside the path the tray is"),
         "a yaw of the path that is free": (path.yaw_free, "leaves open how the tray is turned"),
         "robot.base_yaw": (scenario.robot.base_yaw == FREE, "is to be chosen, and the joints are in motion"),

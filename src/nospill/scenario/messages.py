@@ -14,7 +14,7 @@ from nospill.scenario.model import Scenario
 from nospill.scenario.obstacle_entries import OBSTACLE_TABLES
 from nospill.scenario.path_entries import PATH_TABLES
 from nospill.scenario.sentences import Fault, Location, details_of, key_path, keys_of, model_of, sentence
-from nospill.scenario.tolerance_entry import ToleranceTable
+from nospill.scenario.tolerance_entry import CargoToleranceTable
 
 
 def cargo_place(index: int, entry: object) -> str:
@@ -70,7 +70,7 @@ def _resolve(location: Location, table: Mapping[str, Any]) -> tuple[str, Locatio
         if len(keys) > 1 and keys[0] == "liquid":
             return place, ("liquid", *keys[2:]), LiquidTable
         if len(keys) > 1 and keys[0] == "tolerance":
-            return place, keys, ToleranceTable
+            return place, keys, CargoToleranceTable
         return place, keys, model
     if head == "obstacle" and len(location) > 1 and isinstance(location[1], int):
         model = OBSTACLE_TABLES.get(str(location[2])) if len(location) > 2 else None

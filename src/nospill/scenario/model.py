@@ -18,7 +18,7 @@ from nospill.scenario.obstacle_entries import MOST_OBSTACLES, ObstacleEntry, Obs
 from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
 from nospill.scenario.tables import Given, OptionalQuantities, OptionalQuantity, Quantities, Quantity, Table, default
-from nospill.scenario.tolerance_entry import ToleranceTable
+from nospill.scenario.tracking_entry import ToleranceTable
 from nospill.scene.heights import HeightOrder
 from nospill.scene.scene import FULL_MODES, EndCondition, Fidelity
 
@@ -244,7 +244,7 @@ class Scenario(Table):
     motion: Annotated[MotionTable, Field(description="the table [motion]")] = MotionTable()
     tolerance: Annotated[
         ToleranceTable | None,
-        Field(description="the table [tolerance]: how far the numbers of the objects may be off"),
+        Field(description="the table [tolerance]: how far the numbers of the objects, and the joints, may be off"),
     ] = None
     approach: Annotated[
         ApproachTable | None, Field(description="the table [approach]: how the arm gets to the start")

@@ -91,6 +91,9 @@ def read_scene(
         robot = limited_by(robot, interface)
     with _at(label, "[approach]"):
         approach = None if scenario.approach is None else scenario.approach.build(robot)
+    with _at(label, "[tolerance]"):
+        stated = scenario.tolerance and scenario.tolerance.tracking
+        tracking = None if stated is None else stated.build(robot)
     tool = Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange)
     tray = Tray(size=read_only(scenario.tray.size), tool=tool, mass=scenario.tray.mass)
     with _at(label, "[path]"):
@@ -150,6 +153,7 @@ def read_scene(
         origin=origin(plain(_stated(source))),
         approach=approach,
         controller=controller,
+        tracking=tracking,
         start_near=_start_near(scenario, robot, approach),
         obstacles=obstacles,
         regions=regions,
@@ -326,6 +330,11 @@ def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
             'slosh_height = "second order" and fidelity = "deliverable" are stated together: the published physics are '
             "linear; leave one of them out"
         )
+    if scenario.tolerance is not None and scenario.tolerance.tracking is not None:
+        raise ScenarioError(
+            'slosh_height = "second order" and tolerance.tracking are stated together: over a band of arms heights are '
+            'followed to the first order alone; write slosh_height = "linear", or leave tracking out'
+        )
     for item in cargo:
         reason = unsupported(item) if item.filling is not None and not item.filling.lid else None
         if reason is not None:
@@ -365,7 +374,8 @@ def _check_speed_range(scenario: Scenario) -> None:
         )
     swinging = any(entry.initial_swing is not None for entry in scenario.cargo)
     late = scenario.controller is not None and scenario.controller.is_late
-    other = "[controller]" if late else "initial_swing" if swinging else ""
+    band = scenario.tolerance is not None and scenario.tolerance.tracking is not None
+    other = "[controller]" if late else "initial_swing" if swinging else "tolerance.tracking" if band else ""
     if other:
         raise ScenarioError(
             f"speed_range and {other} are stated together: what {other} describes does not slow down with the motion; "

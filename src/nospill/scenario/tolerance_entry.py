@@ -47,7 +47,7 @@ class FactorRange:
 _RATIO = Measured(dimension="ratio", at_least=0.0, below=1.0)
 
 
-class ToleranceTable(Table):
+class CargoToleranceTable(Table):
     """`[tolerance]`: how far the numbers of all cargo may be off; what is left out is certain.
 
     `[cargo.tolerance]`, below the keys of one object, overrides it key by key.
@@ -97,8 +97,8 @@ _OF_LIQUIDS = ("liquid_height", "damping", "pinned", "contact_angle", "frequency
 
 def tolerance_of(
     cargo: Cargo,
-    general: ToleranceTable | None,
-    object_table: ToleranceTable | None,
+    general: CargoToleranceTable | None,
+    object_table: CargoToleranceTable | None,
     *,
     fidelity: Fidelity,
 ) -> Tolerance | None:
@@ -117,7 +117,7 @@ def tolerance_of(
             "tolerance.mass is given for a container without mass; give mass or empty_mass, or leave it out"
         )
     values = {}
-    for key in ToleranceTable.model_fields:
+    for key in CargoToleranceTable.model_fields:
         stated = [getattr(table, key) for table in (object_table, general) if table is not None]
         value = next((value for value in stated if value is not None), None)
         if value is not None and not (cargo.filling is None and key in _OF_LIQUIDS):

@@ -23,6 +23,7 @@ from nospill.scene.initial_state import InitialState
 from nospill.scene.limits import Limit, LimitRecord
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.places import Region, Via
+from nospill.scene.tracking import Tracking
 from nospill.scene.tray import Tray
 
 Fidelity = Literal["deliverable", "full"]
@@ -209,6 +210,7 @@ class Scene:
         regions: boxes that tray and cargo stay in.
         initial_state: how arm and tray move when the motion begins; None where they stand still.
         controller: how the joints follow their command; None where they do what they are asked for.
+        tracking: how late each joint may be besides; None where that is certain.
         as_read: whether it is the very scene that was read; a copy by `dataclasses.replace` is not.
         constraints: limits given from Python, beside those of the scenario (`with_constraints`).
         unjudged: limits of the same kind that a plan was saved with and that are not at hand; no verdict holds without.
@@ -230,6 +232,7 @@ class Scene:
     start_near: np.ndarray | None = None
     obstacles: tuple[Obstacle, ...] = ()
     controller: Controller | None = None
+    tracking: Tracking | None = None
     regions: tuple[Region, ...] = ()
     initial_state: InitialState | None = None
     constraints: tuple[Limit, ...] = ()

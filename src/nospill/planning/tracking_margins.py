@@ -1,0 +1,117 @@
+"""What a problem keeps back for arms that are late: margins along the motion, and smoother joints.
+
+Late joints add to a row what their jerks make of the delay, at each instant another share of the limit. So the judge's
+figures of one motion are the margins of the next problem, instant by instant. What the band adds to a height at the end
+no margin takes away, since it adds up over the whole motion: there the jerks weigh more, from round to round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from nospill.certification.certificate import Judgement
+from nospill.certification.tracking_band import Band
+from nospill.certification.wording import describe
+from nospill.errors import MOTION, NoSolutionError, Reason
+from nospill.laws.constraints import END_NAMES
+from nospill.laws.constraints.base import RowId
+from nospill.scene.scene import Scene
+from nospill.scene.variants import VariantId
+from nospill.transcription.margins_along import Margin
+
+_MOST, _MOST_AT_END = 0.8, 0.75
+"""Part of a budget that is kept at most."""
+_LIGHTEST, _HEAVIER, _HEAVIEST = 1.25, 10.0, 1e4
+"""Factor on the weight of the jerks from round to round, at least and at most, and in all."""
+_LIGHTER = 3.0
+"""By which it is divided where a motion holds."""
+_JOINS = 0.9
+"""Use over the band from which a row takes part."""
+_MORE, _LEAST, _STEP = 1.0, 5e-4, 0.03
+"""Of what a row is over its limit with its margins: part that is added to its back-off, at least, and at most."""
+
+
+def next_margins(
+    before: Mapping[RowId, Margin], band: Band, names: Mapping[VariantId, str], duration: float
+) -> dict[RowId, Margin]:
+    """Margins of the rows of a problem after a motion was judged; no less than half way from those before.
+
+    Args:
+        before: of the last problem.
+        band: as judged.
+        names: variant -> what it is called in the problem.
+        duration: of the motion, s.
+    """
+    found: dict[RowId, Margin] = {}
+    for row, added in band.added.items():
+        kept = np.minimum(added, _MOST_AT_END if row.constraint in END_NAMES else _MOST)
+        times = np.linspace(band.t[0], band.t[-1], len(kept)) / duration
+        for own in _of_members(row, names):
+            last = before.get(own)
+            if last is not None:
+                earlier = last.kept if len(kept) == 1 else np.interp(times, last.share, last.kept)
+                kept = np.maximum(kept, 0.5 * (kept + earlier))
+            found[own] = Margin(times, kept)
+    return found
+
+
+def _of_members(row: RowId, names: Mapping[VariantId, str]) -> list[RowId]:
+    """The rows of the problem that a row of the certificate stands for; itself, where it is about no object there."""
+    own = [RowId(row.constraint, label) for (name, _), label in names.items() if name == row.subject]
+    return own or [row]
+
+
+def joining(band: Band, names: Mapping[VariantId, str]) -> frozenset[RowId]:
+    """Rows that come near their limits over the band."""
+    near = (row for row, use in band.use.items() if use > _JOINS)
+    return frozenset(own for row in near for own in _of_members(row, names))
+
+
+def raised_backoff(backoff: Mapping[RowId, float], band: Band, names: Mapping[VariantId, str]) -> dict[RowId, float]:
+    """Back-off of every row, more where a row is over its limit although its margins were kept."""
+    raised = dict(backoff)
+    for row, use in band.use.items():
+        if use > 1.0 and row.constraint not in END_NAMES:
+            for own in _of_members(row, names):
+                if own in raised:
+                    raised[own] += min(_MORE * (use - 1.0) + _LEAST, _STEP, (1.0 - raised[own]) / 2)
+    return raised
+
+
+def lighter(factor: float) -> float:
+    """Factor on the weights of the jerks after a motion that holds."""
+    return max(factor / _LIGHTER, 1.0)
+
+
+def require_band(scene: Scene, judgement: Judgement, *, ended: bool) -> None:
+    """Refuse a motion that holds for the arm as it is stated and not over the band of it.
+
+    Args:
+        scene: with the band.
+        judgement: of the best motion that was found.
+        ended: whether planning ended because its time was up, so that nothing is known.
+
+    Raises:
+        NoSolutionError: naming the row that fails, and the largest part of the band up to which that motion holds.
+    """
+    band, tracking = judgement.band, scene.tracking
+    if band is None or tracking is None or ended or judgement.certificate.ok:
+        return
+    if not all(row.ok for row in judgement.planned_rows):
+        return  # it is no motion for any arm
+    worst, part = judgement.certificate.worst, band.largest
+    delay, lag = (1e3 * part * float(np.max(own)) for own in (tracking.delay, tracking.lag))
+    raise NoSolutionError(
+        f"No motion found that holds with {tracking.text}: {describe(worst)} in the best one, which holds up to "
+        f"{100 * part:.2g} % of that (delay {delay:.2g} ms, lag {lag:.2g} ms). State less in tolerance.tracking, or "
+        f"relax that limit.",
+        Reason(MOTION, worst.constraint, worst.subject, excess=worst.use - 1.0),
+    )
+
+
+def heavier(factor: float, uses: Iterable[tuple[RowId, float]]) -> float:
+    """Factor on the weights of the jerks: more where a height at the end is over its limit."""
+    over = max((use for row, use in uses if row.constraint in END_NAMES), default=0.0)
+    return min(min(max(over**2, _LIGHTEST), _HEAVIER) * factor, _HEAVIEST) if over > 1.0 else factor

@@ -1,0 +1,68 @@
+"""Planning for a band of late arms: what is certified holds for drawn ones, and a band too wide is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from nospill.certification.tracking_band import Band
+from nospill.errors import NoSolutionError
+from nospill.laws.constraints.base import RowId
+from nospill.margins import margins
+from nospill.planning.planner import plan
+from nospill.planning.tracking_margins import heavier, next_margins
+from nospill.scenario import read_scenario
+from nospill.transcription.margins_along import Margin
+from tests.builders import one_mode
+
+BAND = ("tolerance.tracking.delay=3 ms", "tolerance.tracking.lag=2 ms")
+
+
+@pytest.mark.slow
+def test_no_drawn_arm_breaks_a_plan_made_for_them() -> None:
+    planned, stated = plan(one_mode("coffee-to-go", *BAND)), plan(one_mode("coffee-to-go"))
+    assert planned.certificate.ok
+    assert stated.duration < planned.duration < 1.25 * stated.duration
+    report = margins(planned, samples=200, seed=1)
+    assert report.arms == 200
+    assert report.any_limit.count == 0
+
+
+def test_objects_that_cannot_slosh_are_planned_for_late_arms_too() -> None:
+    planned = plan(read_scenario("matrix-rigid", settings=BAND))
+    assert planned.certificate.ok
+    assert planned.judgement is not None
+    assert planned.judgement.band is not None
+    assert planned.judgement.band.largest >= 1.0
+    assert margins(planned, samples=40, seed=1).any_limit.count == 0
+
+
+def test_a_band_that_no_motion_was_found_for_is_refused_with_the_part_that_one_holds() -> None:
+    scene = read_scenario("matrix-rigid", settings=["tolerance.tracking.delay=50 ms", "motion.max_duration=1.5 s"])
+    with pytest.raises(
+        NoSolutionError, match=r"joints up to 50 ms late: .* holds up to .* % of that \(delay"
+    ) as refused:
+        plan(scene)
+    assert "\n" not in str(refused.value)
+    assert refused.value.exit_code == 3
+
+
+def _band(**use: float) -> Band:
+    t = np.linspace(0.0, 1.0, 11)
+    rows = {RowId(name.replace("_", " "), "c1"): value for name, value in use.items()}
+    added = {row: np.array([0.3]) if row.constraint == "residual height" else 0.1 * t for row in rows}
+    return Band((), t, added, rows, 0.5)
+
+
+def test_margins_are_what_the_band_adds_and_fall_half_way_at_most() -> None:
+    band, names = _band(slip=1.1, residual_height=0.9), {("c1", ""): "c1"}
+    first = next_margins({}, band, names, 1.0)
+    assert np.allclose(first[RowId("slip", "c1")].kept, band.added[RowId("slip", "c1")])
+    before = {RowId("slip", "c1"): Margin(band.t, np.full(11, 0.3))}
+    assert np.allclose(next_margins(before, band, names, 1.0)[RowId("slip", "c1")].kept, 0.5 * (0.3 + 0.1 * band.t))
+
+
+def test_jerks_weigh_more_only_for_heights_at_the_end() -> None:
+    assert heavier(2.0, _band(slip=1.4).use.items()) == 2.0
+    assert heavier(2.0, _band(residual_height=1.05).use.items()) == pytest.approx(2.5)
+    assert heavier(2.0, _band(residual_height=9.0).use.items()) == pytest.approx(20.0)
