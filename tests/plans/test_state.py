@@ -129,8 +129,12 @@ def test_instants_outside_and_what_does_not_begin_in_motion_are_refused(before: 
         "motion.hold_before": ("0.5 s", "hold_before"),
         "motion.speed_range": (["50 %", "100 %"], "speed_range"),
         "controller": ({"delay": "20 ms"}, "delay or lag"),
+        "tolerance": ({"tracking": {"delay": "1 ms"}}, r"\[initial_state\]: tolerance\.tracking is stated too"),
     }.items():
         with pytest.raises(ScenarioError, match=words[1]):
             beginning_in(before.scene.changed({change: words[0]}), state)
+    late = replace(before, scene=before.scene.changed({"tolerance.tracking.delay": "1 ms"}))
+    with pytest.raises(ScenarioError, match="leaves open how late the joints are"):
+        late.state_at(T)
     with pytest.raises(ScenarioError, match=r"motion\.stop"):
         before.scene.changed({"motion.stop": True})

@@ -91,12 +91,17 @@ def require_known_state(scene: Scene) -> None:
     """Refuse a motion whose record does not say in which state the tray is at an instant of it.
 
     Raises:
-        ScenarioError: the joints follow a controller late, or the tray may leave its path.
+        ScenarioError: the joints follow a controller late or may be late, or the tray may leave its path.
     """
     if scene.controller is not None and scene.controller.is_late:
         raise ScenarioError(
             f"{scene.name}: [controller] has a delay or lag, and its command runs ahead of the joints; a motion from "
             "the midst of the plan is known only without them"
+        )
+    if scene.tracking is not None:
+        raise ScenarioError(
+            f"{scene.name}: tolerance.tracking leaves open how late the joints are; a motion from the midst of the "
+            "plan is known only without it"
         )
     if scene.motion.leaves_path:
         raise ScenarioError(

@@ -21,7 +21,7 @@ def require_may_begin_in_motion(scenario: Scenario) -> None:
         return
     rules, path = scenario.motion, scenario.path
     late = scenario.controller is not None and scenario.controller.is_late
-    band = scenario.tolerance is not None and scenario.tolerance.tracking is not None
+    band = scenario.tolerance is not None and scenario.tolerance.has_band
     reasons = {
         "[approach]": (scenario.approach is not None, "comes before the motion, and ends at rest"),
         "motion.hold_before": (rules.hold_before > 0.0, "is rest before the motion"),

@@ -330,7 +330,7 @@ def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
             'slosh_height = "second order" and fidelity = "deliverable" are stated together: the published physics are '
             "linear; leave one of them out"
         )
-    if scenario.tolerance is not None and scenario.tolerance.tracking is not None:
+    if scenario.tolerance is not None and scenario.tolerance.has_band:
         raise ScenarioError(
             'slosh_height = "second order" and tolerance.tracking are stated together: over a band of arms heights are '
             'followed to the first order alone; write slosh_height = "linear", or leave tracking out'
@@ -374,7 +374,7 @@ def _check_speed_range(scenario: Scenario) -> None:
         )
     swinging = any(entry.initial_swing is not None for entry in scenario.cargo)
     late = scenario.controller is not None and scenario.controller.is_late
-    band = scenario.tolerance is not None and scenario.tolerance.tracking is not None
+    band = scenario.tolerance is not None and scenario.tolerance.has_band
     other = "[controller]" if late else "initial_swing" if swinging else "tolerance.tracking" if band else ""
     if other:
         raise ScenarioError(

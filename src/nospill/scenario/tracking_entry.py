@@ -29,6 +29,11 @@ class TrackingTable(Table):
         QuantityOrList, _TIME, Field(description="largest time constant with which it then follows (first order)")
     ] = default(0.0)
 
+    @property
+    def is_late(self) -> bool:
+        """Whether a joint may be late at all."""
+        return bool(np.any(np.array(self.delay)) or np.any(np.array(self.lag)))
+
     def build(self, robot: Robot) -> Tracking | None:
         """The band of an arm; None where it is nothing.
 
@@ -51,3 +56,8 @@ class ToleranceTable(CargoToleranceTable):
         TrackingTable | None,
         Field(description="of the joints: how late each may be, on its own"),
     ] = None
+
+    @property
+    def has_band(self) -> bool:
+        """Whether a joint may be late."""
+        return self.tracking is not None and self.tracking.is_late
