@@ -78,7 +78,7 @@ def test_a_motion_that_cannot_be_played_ends_no_search(monkeypatch: pytest.Monke
 
     def searched(name: str) -> Any:
         one = candidate(name)
-        one.active.task.ignored = ()
+        one.active.task.ignored, one.active.margins = (), {}
         return one
 
     monkeypatch.setattr(planner, "certify_by_refinement", certified)
