@@ -23,9 +23,9 @@ for text in sys.stdin:
         time.sleep(600)
     if friction == 0.34:
         raise ValueError("no such thing")
-    line = {"kind": "planned", "figures": {"duration_s": 2.0 - friction, "largest_use": 0.9}, "nearest": "slip of c1"}
+    line = {"ending": "planned", "figures": {"duration_s": 2.0 - friction, "largest_use": 0.9}, "nearest": "slip of c1"}
     if friction == 0.35:
-        line = {"kind": "no motion", "reason": "No motion found: slip of c1"}
+        line = {"ending": "no motion", "reason": "No motion found: slip of c1"}
     warm = request["warm"]
     print(json.dumps(line | {"warm_from": warm["key"] if warm else "", "nospill": str(os.getpid())}), flush=True)
 """

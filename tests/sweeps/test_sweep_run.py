@@ -40,7 +40,7 @@ def same(lines: list[dict[str, Any]]) -> list[dict[str, Any]]:
 def test_whatever_a_process_does_is_a_line_with_its_reason(pool: WorkerPool) -> None:
     axes = {"tray.friction": [0.3, 0.31, 0.32, 0.33, 0.34, 0.35, 0.36]}
     found = sweep(BASE, axes, time_limit=1.0, memory_limit="300 MB")
-    endings = {line.values["tray.friction"]: (line.kind, line.reason) for line in found.lines}
+    endings = {line.values["tray.friction"]: (line.ending, line.reason) for line in found.lines}
     assert endings == {
         0.3: ("planned", ""),
         0.31: ("crash", "the planning process ended with signal 9"),

@@ -91,7 +91,7 @@ def _print(found: Sweep, output: Path) -> None:
     reasons: dict[tuple[str, str], int] = {}
     for line in found.lines:
         if not line.certified:
-            reasons[line.kind, line.reason] = reasons.get((line.kind, line.reason), 0) + 1
+            reasons[line.ending, line.reason] = reasons.get((line.ending, line.reason), 0) + 1
     if reasons:
         commonest = sorted(reasons.items(), key=lambda item: -item[1])
         print_table(("points", "ending", "reason"), [(count, *which) for which, count in commonest[:_MOST_REASONS]])

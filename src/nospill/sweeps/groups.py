@@ -69,8 +69,8 @@ def _planned(asker: _Asker, head: Point | None, point: Point) -> Planned:
     try:
         found = asker.ask({"values": point.values, "key": point.key, "warm": warm, "keep": order.keep})
     except RequestError as error:
-        kinds = {TooLargeError: OUT_OF_MEMORY, DiedError: CRASH}
-        found = {"kind": kinds.get(type(error), OUT_OF_TIME), "reason": str(error)}
+        endings = {TooLargeError: OUT_OF_MEMORY, DiedError: CRASH}
+        found = {"ending": endings.get(type(error), OUT_OF_TIME), "reason": str(error)}
     folder = found.pop("folder", "")
     return Line(point.key, point.values, cold=order.cold, **found), folder
 

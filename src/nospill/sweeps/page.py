@@ -39,7 +39,7 @@ def sweep_page(sweep: Sweep, folder: Path, *, scenario: str, figures: Sequence[s
         "best": None if sweep.best is None else sweep.lines.index(sweep.best),
     }
     title = f"{sweep.definition.base.name}: {sweep.headline}"
-    endings = ", ".join(f"{count} {kind}" for kind, count in sweep.endings.items())
+    endings = ", ".join(f"{count} {ending}" for ending, count in sweep.endings.items())
     said = "".join(f"<p>{escape(text)}</p>" for text in (endings, sweep.cold_text) if text)
     # "</" ends a script wherever it stands
     text = json.dumps(data, allow_nan=False).replace("</", "<\\/")

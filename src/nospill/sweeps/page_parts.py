@@ -18,7 +18,7 @@ dt{font-weight:600}dd{margin:0 0 .3em}
 SCRIPT = """
 "use strict";
 const data = JSON.parse(document.getElementById("data").textContent);
-const kind = data.columns.indexOf("kind"), plot = document.getElementById("plot");
+const ending = data.columns.indexOf("ending"), plot = document.getElementById("plot");
 const numberOf = v => typeof v === "number" ? v : (/^\\s*[-+]?[0-9.]/.test(v ?? "") ? parseFloat(v) : null);
 const shown = v => v === null || v === "" ? "-" : typeof v === "number" ? String(+v.toPrecision(6))
   : typeof v === "object" ? JSON.stringify(v) : v;
@@ -53,7 +53,7 @@ function draw() {
   }
   data.rows.forEach((row, i) => {
     if (across.at[i] === null) return;
-    const lost = row[kind] !== "planned", high = up.at[i] === null ? 390 : y.of(up.at[i]);
+    const lost = row[ending] !== "planned", high = up.at[i] === null ? 390 : y.of(up.at[i]);
     const mark = (lost ? "lost " : "") + (i === chosen ? "chosen" : "");
     const point = element("circle", {cx: x.of(across.at[i]), cy: high, r: 5, class: mark});
     point.append(element("title", {}, data.columns.slice(0, 6).map((c, k) => c + ": " + shown(row[k])).join("\\n")));
@@ -99,7 +99,7 @@ function table() {
   const body = document.createElement("tbody");
   for (const i of order) {
     const row = document.createElement("tr");
-    row.className = (data.rows[i][kind] !== "planned" ? "lost " : "") + (i === chosen ? "chosen" : "");
+    row.className = (data.rows[i][ending] !== "planned" ? "lost " : "") + (i === chosen ? "chosen" : "");
     for (const value of data.rows[i]) {
       const cell = document.createElement("td");
       cell.textContent = cell.title = shown(value);

@@ -65,9 +65,9 @@ class PointPlanner:
             if keep:
                 found["folder"] = packed(plan)
         except NoSolutionError as error:
-            found |= {"kind": NO_MOTION, "reason": one_line(error)}
+            found |= {"ending": NO_MOTION, "reason": one_line(error)}
         except NospillError as error:
-            found |= {"kind": REFUSED, "reason": one_line(error)}
+            found |= {"ending": REFUSED, "reason": one_line(error)}
         return found | {"plan_s": time.perf_counter() - began, "nospill": __version__}
 
     def _planner_at(self, key: str, values: dict[str, Any]) -> Planner | None:
@@ -96,7 +96,7 @@ def figures_of(plan: Plan) -> dict[str, Any]:
         "residual_height_m": max(maxima.residual_height.values(), default=0.0),
     }
     return {
-        "kind": PLANNED if plan.certificate.ok else UNCERTIFIED,
+        "ending": PLANNED if plan.certificate.ok else UNCERTIFIED,
         "reason": "" if plan.certificate.ok else describe(worst),
         "nearest": f"{worst.constraint} of {worst.subject}",
         "figures": {name: float(value) for name, value in figures.items()},

@@ -68,7 +68,7 @@ class Line:
     Attributes:
         key: of the point.
         values: key of the scenario -> value.
-        kind: how it ended: `PLANNED` means certified.
+        ending: how it ended: `PLANNED` means certified.
         reason: one sentence where it did not; empty otherwise.
         figures: name -> number, of a motion.
         nearest: constraint and subject of the row nearest to its limit, of a motion.
@@ -80,7 +80,7 @@ class Line:
 
     key: str
     values: Changes = field(hash=False)
-    kind: str
+    ending: str
     reason: str = ""
     figures: dict[str, float] = field(default_factory=dict, hash=False)
     nearest: str = ""
@@ -92,7 +92,7 @@ class Line:
     @property
     def certified(self) -> bool:
         """Whether there is a motion and its certificate holds."""
-        return self.kind == PLANNED
+        return self.ending == PLANNED
 
     def to_dict(self) -> dict[str, Any]:
         """What a file holds."""

@@ -62,7 +62,7 @@ class Sweep:
         return {
             "key": line.key,
             **line.values,
-            "kind": line.kind,
+            "ending": line.ending,
             **figures,
             "nearest": line.nearest,
             "cold_duration_s": None if cold is None else cold.figures.get("duration_s"),
@@ -97,7 +97,7 @@ class Sweep:
     @property
     def endings(self) -> dict[str, int]:
         """How many points ended how, the commonest first."""
-        return dict(Counter(line.kind for line in self.lines).most_common())
+        return dict(Counter(line.ending for line in self.lines).most_common())
 
     @property
     def cold_text(self) -> str:

@@ -68,7 +68,7 @@ def run_sweep(
         wanted = {point.key for point in definition.points}
         found = _known(file, wanted)
         if retry:
-            found = {key: line for key, line in found.items() if key[1] or line.kind not in OF_THE_MACHINE}
+            found = {key: line for key, line in found.items() if key[1] or line.ending not in OF_THE_MACHINE}
         order = Order(definition.text, definition.base.name, definition.limits, keep=plans)
         where = this_machine(jobs, WORKERS.stop) if scheduler is None else cluster(scheduler)
         todo = list(_left(groups, found))
