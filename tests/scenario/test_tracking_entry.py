@@ -42,3 +42,10 @@ def test_other_bands_are_refused(value: dict, said: str) -> None:
 def test_an_object_has_no_tracking() -> None:
     with pytest.raises(ScenarioError, match="tracking"):
         read_scenario("matrix-rigid").changed({"cargo.c1.tolerance": {"tracking": {"delay": "1 ms"}}})
+
+
+def test_liquids_that_are_to_stand_still_at_one_instant_have_no_band() -> None:
+    with pytest.raises(ScenarioError, match=r'end = "published" and tolerance\.tracking .* write end = "residual"'):
+        read_scenario("matrix-liquid", settings=["tolerance.tracking.delay=1 ms"])
+    settings = ["tolerance.tracking.delay=1 ms", "motion.end=residual"]
+    assert read_scenario("matrix-liquid", settings=settings).tracking is not None

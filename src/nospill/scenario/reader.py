@@ -108,6 +108,7 @@ def read_scene(
     with _at(label, "[motion]"):
         _check_motion(scenario)
         _check_height(scenario, cargo)
+        _check_still_end(scenario)
     with _at(label, "[path]"):
         _check_ends(path, cargo)
     faults = layout_faults(cargo, tray)
@@ -342,6 +343,16 @@ def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
                 f'slosh_height = "second order": it is not known of {as_written(item.name)}, for {reason}; write '
                 'slosh_height = "linear"'
             )
+
+
+def _check_still_end(scenario: Scenario) -> None:
+    """Refuse liquids that stand still at the end with a band of arms, which end at no one instant."""
+    still = scenario.motion.end != "residual" and any(entry.liquid is not None for entry in scenario.cargo)
+    if still and scenario.tolerance is not None and scenario.tolerance.has_band:
+        raise ScenarioError(
+            f'end = "{scenario.motion.end}" and tolerance.tracking are stated together: joints that are late by '
+            'unknown times leave a swing, at no instant zero; write end = "residual", or leave tracking out'
+        )
 
 
 def _check_ends(path: Path, cargo: tuple[Cargo, ...]) -> None:
