@@ -16,6 +16,7 @@ from typing import Any
 from nospill.certification.wording import percent
 from nospill.plans.loading import load_plan
 from nospill.scenario.examples import EXAMPLES, example_path
+from nospill_docs.environment import once_for_a_page
 from nospill_docs.places import Places, copy_if_changed, write_if_changed
 from nospill_docs.tables import markdown_table
 from tests.example_plans import kept
@@ -80,8 +81,7 @@ def _nospill(*arguments: str) -> None:
         RuntimeError: the command failed.
     """
     program = [sys.executable, "-c", "from nospill.cli import main; main()", *arguments]
-    environment = {**os.environ, "NOSPILL_COMPILE": "off", "NOSPILL_THREADS": "1"}
-    done = subprocess.run(program, env=environment, text=True, capture_output=True, check=False)
+    done = subprocess.run(program, env=once_for_a_page(), text=True, capture_output=True, check=False)
     if done.returncode:
         raise RuntimeError(f"nospill {' '.join(arguments)} failed ({done.returncode}): {done.stderr.strip()[-400:]}")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import os
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import IPython  # noqa: F401
 import nbclient
 import nbformat
 
+from nospill_docs.environment import once_for_a_page
 from nospill_docs.places import Places, copy_if_changed, write_if_changed
 
 TIME_LIMIT = 120
@@ -48,7 +48,7 @@ def execute(text: str, folder: Path) -> Any:
         extra_arguments=["--log-level=ERROR"],
         resources={"metadata": {"path": str(folder)}},
     )
-    return client.execute(env={**os.environ, "NOSPILL_COMPILE": "off"})
+    return client.execute(env=once_for_a_page())
 
 
 def _make(text: str, folder: Path) -> None:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import contextlib
 import importlib.util
-import os
 import shutil
 import subprocess
 import sys
@@ -15,6 +14,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from nospill_docs.environment import once_for_a_page
 from nospill_docs.gallery import viewer_is_there
 from nospill_docs.places import Places, copy_if_changed, write_if_changed
 
@@ -120,7 +120,7 @@ def _running_studio() -> Iterator[str]:
     program = [sys.executable, "-c", "from nospill.cli import main; main()"]
     process = subprocess.Popen(
         [*program, "studio", EXAMPLE, "--port", "0", "--no-browser"],
-        env={**os.environ, "NOSPILL_COMPILE": "off", "NOSPILL_THREADS": "1"},
+        env=once_for_a_page(),
         stdout=subprocess.PIPE,
         text=True,
     )
