@@ -83,9 +83,13 @@ def alike(first: str, second: str) -> bool:
 
 
 def pages() -> list[Path]:
-    """Every page that is kept in docs/."""
-    made = {"_build", "_generated"}
-    return [path for path in sorted(DOCS.rglob("*.md")) if not made & set(path.relative_to(DOCS).parts)]
+    """Every page that is kept in docs/; of the gallery and the notebooks, which a build makes, the index alone."""
+    made, alone = {"_build", "_generated"}, {"gallery", "notebooks"}
+    return [
+        path
+        for path in sorted(DOCS.rglob("*.md"))
+        if not made & set(path.relative_to(DOCS).parts) and (path.parent.name not in alone or path.stem == "index")
+    ]
 
 
 def blocks(page: Path) -> Iterator[Block]:
