@@ -21,7 +21,7 @@ from typer.main import get_command
 from typer.testing import CliRunner, Result
 
 from nospill.cli.reporting import INTERNAL_ERROR
-from tests.hasty import NO_COMPILER, compile_at_first, compile_small_functions, hasty_compiler
+from tests.hasty import COMPILED, NO_COMPILER, compile_at_first, compile_small_functions, hasty_compiler
 
 if TYPE_CHECKING:  # a file of tests that plans nothing is run without the planner and the judge
     from nospill.motion.interpolation import JointSamples
@@ -37,9 +37,6 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 settings.register_profile("usual", max_examples=60, deadline=None)
 settings.register_profile("thorough", max_examples=300, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "usual"))
-
-COMPILED = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
-"""Compiled functions are kept between runs: their key is the source they are made of. `make clean` removes them."""
 
 
 def pytest_collection_finish() -> None:

@@ -25,6 +25,9 @@ OF_PROBLEMS = ("tray", "object", "end", "plane")
 NO_COMPILER = "no-compiler-for-what-is-planned-once"
 """What CC names while tests run."""
 
+COMPILED = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
+"""Compiled functions are kept between runs: their key is the source they are made of. `make clean` removes them."""
+
 COMPILER = os.environ.get("CC", "cc")
 """As the user has it."""
 

@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from nospill.errors import ScenarioError
+from nospill.planning.request import requested_scene
 from nospill.sweeps.axes import axes_of, axis_of, grid, latin_hypercube
+from nospill.sweeps.definition import define_sweep
+from tests.own_limits import Sideways
 
 
 @pytest.mark.parametrize(
@@ -71,6 +74,14 @@ def test_a_grid_is_every_combination_and_zipped_keys_go_together() -> None:
 def test_what_is_no_grid(axes: dict[Any, Any], words: str) -> None:
     with pytest.raises(ScenarioError, match=words):
         grid(axes_of(axes))
+
+
+def test_limits_given_from_python_do_not_reach_other_processes() -> None:
+    """A sweep that left them out would call plans certified that break them."""
+    scene = requested_scene("pp-two-cups", [Sideways()])
+    with pytest.raises(ScenarioError, match=r'pp-two-cups: the constraint "sideways" is given from Python') as caught:
+        define_sweep(scene, {"tray.friction": [0.4, 0.45]})
+    assert "\n" not in str(caught.value)
 
 
 def test_a_latin_hypercube_has_one_point_in_every_slice_of_every_axis() -> None:

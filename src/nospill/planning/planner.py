@@ -145,11 +145,9 @@ def _offers(
     alike = warm is not None and starts_alike(warm.scene, scene)  # else its branch may be another
     if warm is not None and alike:
         candidate = restart(task, warm, last, log)
-        if candidate is not None:
-            yield candidate
-            if log.out_of_time:
-                return
-        log.not_warm = _NOT_CONVERGED if candidate is None else _NOT_CERTIFIED
+        yield from _warm(candidate, log)
+        if candidate is not None and log.out_of_time:
+            return
     if warm is None and rest is not None and (candidate := going_on(task, rest, log)) is not None:
         yield candidate
         if log.out_of_time:
@@ -163,11 +161,9 @@ def _offers(
         joint_path = path_through(paths, state.s, state.joints[0])
     if warm is not None and not alike:
         candidate = restart_on_branch(task, warm, joint_path, log)
-        if candidate is not None:
-            yield candidate
-            if log.out_of_time:
-                return
-        log.not_warm = _NOT_CONVERGED if candidate is None else _NOT_CERTIFIED
+        yield from _warm(candidate, log)
+        if candidate is not None and log.out_of_time:
+            return
     searches = passage_searches(task, joint_path)
     if scene.motion.leaves_path:
         yield from _off_path(task, joint_path, searches, log)
@@ -175,6 +171,14 @@ def _offers(
     yield find_motion(searches, log)
     if not log.out_of_time:
         yield find_motion(searches, log, PassageSearch.further)
+
+
+def _warm(candidate: Candidate | None, log: Log) -> Iterator[Candidate]:
+    """A candidate from an earlier plan where there is one; whoever asks for more was not served by it."""
+    if candidate is not None:
+        yield candidate
+    if candidate is None or not log.out_of_time:
+        log.not_warm = _NOT_CONVERGED if candidate is None else _NOT_CERTIFIED
 
 
 def _off_path(

@@ -93,6 +93,12 @@ def define_sweep(
         ScenarioError: one line that names what is wrong.
     """
     scene = base.require_as_read() if isinstance(base, Scene) else load(base)
+    given = [item.name for item in (*scene.constraints, *scene.unjudged)]
+    if given:
+        raise ScenarioError(
+            f'{scene.name}: the constraint "{given[0]}" is given from Python, and a sweep plans in other processes, '
+            "which do not have its class; loop over scene.changed(...) with ns.Planner(constraints=[...]) instead"
+        )
     if not isinstance(axes, Mapping) or not axes:
         raise ScenarioError('axes: there is none; give {"tray.friction": [0.3, 0.4, 0.5]}')
     parsed = axes_of(axes)
