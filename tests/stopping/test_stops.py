@@ -48,6 +48,7 @@ def test_plan_until_then_and_stop_after_it_are_certified_as_one_motion_from_rest
     solved = [stop for stop in found.stops if stop.origin == "solved"]
     assert solved
     for stop in solved:
+        np.testing.assert_allclose(stop.trajectory.tilt[-1], 0.0, atol=1e-4)
         rows = round(stop.t * plan.trajectory.rate)
         q = np.concatenate([plan.trajectory.joint_position[:rows], stop.trajectory.joint_position])
         certificate = ns.certify_joints(np.arange(len(q)) / plan.trajectory.rate, q, plan.scene)

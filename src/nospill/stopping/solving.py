@@ -46,6 +46,8 @@ _MOST_BACKOFF = 0.9
 _OF_SUM = 0.3
 """First back-off of a residual height of several modes: the judge sums them, the optimiser adds their squares."""
 _WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 40, 120, 6.0
+_LEVEL = 1e-4
+"""rad; of the tray at rest, about which what swings on is bounded: no row of a certificate looks at it."""
 _SOONER = 0.99
 """Of what is left of the plan; a stop that takes longer is no gain over it."""
 
@@ -145,7 +147,7 @@ def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | 
         if judged is None:
             return None
         record, judgement = judged
-        if judgement.certificate.ok:
+        if judgement.certificate.ok and np.max(np.abs(record.tilt[-1])) <= _LEVEL:
             stop = Stop(
                 t=state.t,
                 duration=record.end_time,
