@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.campaign.combined import BACK_AFTER, way_back
+from benchmarks.campaign.combined import BACK_AFTER, ON_FROM, way_back
 from nospill.certification.certificate import judge
 from nospill.certification.wording import describe
 from nospill.errors import REST, NoSolutionError, NospillError, ScenarioError
@@ -95,8 +95,8 @@ def run(table: dict[str, Any], name: str, *, longest: float = math.inf) -> dict[
         name: what it is called.
         longest: time to look for a motion, s.
     """
-    wait = table.get(BACK_AFTER)
-    table = {key: value for key, value in table.items() if key != BACK_AFTER}
+    wait, on_from = table.get(BACK_AFTER), table.get(ON_FROM)
+    table = {key: value for key, value in table.items() if key not in (BACK_AFTER, ON_FROM)}
     try:
         scene = limited(scene_from_table(table, name=name), longest)
     except NospillError as error:
@@ -110,6 +110,8 @@ def run(table: dict[str, Any], name: str, *, longest: float = math.inf) -> dict[
         return {"kind": failure.kind, "reason": failure.reason, "told": failure.told, "blamed": failure.blamed} | spent
     spent = {"plan_processor_s": time.process_time() - began}
     after = {} if wait is None or not plan.certificate.ok else {"next": gone_on(plan, table, wait, longest)}
+    if on_from is not None and plan.certificate.ok:
+        after["from_the_midst"] = from_the_midst(plan, on_from["share"], stop=on_from["stop"])
     return figures(plan) | spent | after
 
 
@@ -130,6 +132,24 @@ def gone_on(plan: Plan, table: dict[str, Any], wait: float, longest: float) -> d
         failure = failure_of(error, scene)
         return {"kind": failure.kind, "reason": failure.reason}
     return figures(second) | {"seam": seam_fault(plan, second)}
+
+
+def from_the_midst(plan: Plan, share: float, *, stop: bool) -> dict[str, Any]:
+    """The motion of its own that goes on from the midst of a plan to the same goal, or to a stop.
+
+    Args:
+        plan: of the motion.
+        share: of its duration that is over.
+        stop: whether it may rest anywhere on the path.
+    """
+    t = share * plan.duration
+    try:
+        state = plan.state_at(t)
+        second = planner.plan(plan.scene, start=state, stop=stop)
+    except NospillError as error:
+        failure = failure_of(error, plan.scene)
+        return {"kind": failure.kind, "reason": failure.reason}
+    return figures(second) | {"stop": stop, "rest_s": plan.duration - t}
 
 
 def figures(plan: Plan) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.campaign.distributions import COMBINED, Choice, Distributions, Spread
+from benchmarks.campaign.distributions import COMBINED, FIRST_WITH_NEWER, Choice, Distributions, Spread
 from nospill.scene.scene import Scene
 
 Table = dict[str, Any]
@@ -30,8 +30,13 @@ _RADIUS = Spread(0.03, 0.12, "m")
 def features_of(seed: int) -> tuple[str, ...]:
     """The features of a seed, in the order in which they are put on its task."""
     random = np.random.default_rng([_STREAM, seed])
-    chosen = set(random.choice(list(FEATURES), FEATURES_EACH, replace=False).tolist())
-    return tuple(name for name in FEATURES if name in chosen)
+    if seed < FIRST_WITH_NEWER:
+        chosen = random.choice(list(FEATURES), FEATURES_EACH, replace=False).tolist()
+    else:
+        chosen = [str(random.choice(list(NEWER)))]
+        others = [name for name in (*FEATURES, *NEWER) if name not in chosen]
+        chosen += random.choice(others, FEATURES_EACH - 1, replace=False).tolist()
+    return tuple(name for name in (*FEATURES, *NEWER) if name in chosen)
 
 
 def combined_distributions(seed: int) -> Distributions:
@@ -50,8 +55,9 @@ def combined_table(table: Table, scene: Scene, seed: int) -> Table:
         seed: that draws the features and their numbers.
     """
     random = np.random.default_rng([_STREAM, seed, 1])
+    every = {**FEATURES, **NEWER}
     for name in features_of(seed):
-        table = FEATURES[name](table, scene, random)
+        table = every[name](table, scene, random)
     return table
 
 
@@ -141,6 +147,56 @@ def _row(table: Table, scene: Scene, random: np.random.Generator) -> Table:
     return table | {BACK_AFTER: round(random.uniform(0.0, 0.3), 3)}
 
 
+def _late_joints(table: Table, scene: Scene, random: np.random.Generator) -> Table:
+    band = {"delay": round(random.uniform(0.0, 0.004), 5), "lag": round(random.uniform(0.0, 0.003), 5)}
+    return _tolerance(table, tracking=band)
+
+
+def _frequency(table: Table, scene: Scene, random: np.random.Generator) -> Table:
+    return _tolerance(table, frequency=round(random.uniform(0.002, 0.02), 4))
+
+
+def _tolerance(table: Table, **keys: Any) -> Table:
+    return table | {"tolerance": table.get("tolerance", {}) | keys}
+
+
+def _second_order(table: Table, scene: Scene, random: np.random.Generator) -> Table:
+    return _motion(table, slosh_height="second order")
+
+
+def _lid(table: Table, scene: Scene, random: np.random.Generator) -> Table:
+    able = [item.name for item in scene.cargo if item.filling is not None]
+    table = _on_one(table, able, random, "lid")
+    without = {"max_slosh_height", "residual_fraction", "initial_swing"}  # nothing spills
+    cargo = [
+        {key: value for key, value in item.items() if key not in without} if item.get("lid") else item
+        for item in table["cargo"]
+    ]
+    return table | {"cargo": cargo}
+
+
+def _fixed(table: Table, scene: Scene, random: np.random.Generator) -> Table:
+    return _on_one(table, [item.name for item in scene.cargo], random, "fixed")
+
+
+def _on_one(table: Table, able: list[str], random: np.random.Generator, key: str) -> Table:
+    """One object of those that are able, as the file names it, has a key set."""
+    written = [item["name"] for item in table["cargo"] if item["name"] in able and "array" not in item]
+    if not written:
+        return table
+    chosen = str(random.choice(written))
+    return table | {"cargo": [item | {key: True} if item["name"] == chosen else item for item in table["cargo"]]}
+
+
+def _in_motion(table: Table, scene: Scene, random: np.random.Generator) -> Table:
+    """From the midst of the plan on along the same path, or to a stop; the key is the campaign's own."""
+    share = round(random.uniform(0.2, 0.8), 3)
+    return table | {ON_FROM: {"share": share, "stop": bool(random.uniform() < 0.5)}}
+
+
+ON_FROM = "on_from"
+"""Key of a drawn table: the part of the duration after which a motion of its own goes on, and whether to a stop."""
+
 BACK_AFTER = "back_after"
 """Key of a drawn table: s between the motion and the one back along its path, which is planned and judged too."""
 
@@ -163,6 +219,18 @@ FEATURES: Mapping[str, Callable[[Table, Scene, np.random.Generator], Table]] = M
 )
 """By name, in the order in which they are put on a task."""
 
+NEWER: Mapping[str, Callable[[Table, Scene, np.random.Generator], Table]] = MappingProxyType(
+    {
+        "late joints": _late_joints,
+        "frequency": _frequency,
+        "second order": _second_order,
+        "lid": _lid,
+        "fixed": _fixed,
+        "begun in motion": _in_motion,
+    }
+)
+"""Features that came later: one at least of every seed from `FIRST_WITH_NEWER` on, after those of `FEATURES`."""
+
 
 def way_back(table: Table) -> Table:
     """The scenario of the motion back along the path of another; nothing comes before it but that motion."""
@@ -174,7 +242,7 @@ def way_back(table: Table) -> Table:
     if "yaw" in path:
         path["yaw"] = path["yaw"][::-1]
     cargo = [{key: value for key, value in item.items() if key != "initial_swing"} for item in table["cargo"]]
-    kept = {key: value for key, value in table.items() if key not in ("approach", BACK_AFTER)}
+    kept = {key: value for key, value in table.items() if key not in ("approach", BACK_AFTER, ON_FROM)}
     return kept | {"path": path, "cargo": cargo}
 
 

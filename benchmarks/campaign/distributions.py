@@ -120,6 +120,9 @@ WITH_RACKS = replace(DISTRIBUTIONS, kind=Choice(("cup", "box", "vessel", "rack")
 FIRST_COMBINED = 30_000
 """The first seed whose scenario has three features at once (`benchmarks.campaign.combined`)."""
 
+FIRST_WITH_NEWER = 31_000
+"""Likewise, with one feature at least of those that came later."""
+
 COMBINED = replace(
     DISTRIBUTIONS,
     unreachable=Choice((False,)),

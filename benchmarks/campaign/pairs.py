@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Any
 
-from benchmarks.campaign.combined import FEATURES
+from benchmarks.campaign.combined import FEATURES, NEWER
 
 Line = dict[str, Any]
 
@@ -31,7 +31,7 @@ def pair_table(cases: Sequence[Line]) -> Iterator[str]:
     for line in cases:
         for pair in combinations(features_in(line), 2):
             ended.setdefault(frozenset(pair), Counter())[line["kind"]] += 1
-    names = list(FEATURES)
+    names = [*FEATURES, *NEWER]
     yield f"| | {' | '.join(names[:-1])} |"
     yield "|---|" + "---:|" * (len(names) - 1)
     for row, name in enumerate(names[1:], start=1):

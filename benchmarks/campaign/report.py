@@ -84,9 +84,17 @@ def section(lines: list[Line]) -> Iterator[str]:
 
 def false_certificate(line: Line) -> bool:
     """Whether a plan called certified is rejected by the finer certificate or by the simulation, or its row jumps."""
-    after = line.get("next") or {}
     alone = line["kind"] == "planned" and not (line["fine"]["ok"] and line["verify"]["ok"])
-    return alone or bool(after.get("seam")) or ("fine" in after and false_certificate(after))
+    later = following(line).values()
+    return alone or any(bool(after.get("seam")) or ("fine" in after and false_certificate(after)) for after in later)
+
+
+def following(line: Line) -> dict[str, Line]:
+    """The motions that were planned from the state in which another one ends, or is, by what they are called."""
+    return {name: line[key] for key, name in _FOLLOWING.items() if line.get(key)}
+
+
+_FOLLOWING = {"next": "next motions in a row", "from_the_midst": "motions from the midst of a plan"}
 
 
 def has_reason(line: Line) -> bool:
@@ -116,10 +124,11 @@ def _rates(cases: list[Line]) -> Iterator[str]:
     silent = sum(not has_reason(line) for line in open_cases)
     yield f"| certified, rejected by the certificate at 8 kHz | {fine} | |"
     yield f"| certified, something moves in MuJoCo | {moved} | |"
-    rows = [line["next"] for line in planned if line.get("next")]
-    if rows:
-        yield f"| next motions in a row, certified | {sum(row['kind'] == 'planned' for row in rows)} of {len(rows)} | |"
-        yield f"| of these false, or with a jump of the arm | {sum(map(false_certificate, rows))} | |"
+    for name in _FOLLOWING.values():
+        rows = [following(line)[name] for line in planned if name in following(line)]
+        if rows:
+            yield f"| {name}, certified | {sum(row['kind'] == 'planned' for row in rows)} of {len(rows)} | |"
+            yield f"| of these false, or with a jump of the arm | {sum(map(false_certificate, rows))} | |"
     yield f"| failures that do not name what is in the way | {silent} of {len(open_cases)} | |"
     meant = [line for line in cases if line.get("unreachable")]
     shown = sum(line["kind"] == "out of reach" for line in meant)
@@ -189,9 +198,9 @@ def _badness(line: Line) -> tuple[int, float]:
 
 
 def _complaint(line: Line) -> str:
-    after = line.get("next")
-    if after is not None and false_certificate(after):
-        return f"the next motion: {after.get('seam') or _complaint(after)}"
+    for name, after in following(line).items():
+        if false_certificate(after):
+            return f"of {name}: {after.get('seam') or _complaint(after)}"
     if false_certificate(line):
         fine = "" if line["fine"]["ok"] else "8 kHz: " + "; ".join(line["fine"]["broken"])
         moved = "" if line["verify"]["ok"] else "MuJoCo: " + line["verify"]["message"]

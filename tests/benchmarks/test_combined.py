@@ -12,11 +12,13 @@ from benchmarks.campaign.combined import (
     BACK_AFTER,
     FEATURES,
     FEATURES_EACH,
+    NEWER,
+    ON_FROM,
     combined_distributions,
     features_of,
     way_back,
 )
-from benchmarks.campaign.distributions import FIRST_COMBINED
+from benchmarks.campaign.distributions import FIRST_COMBINED, FIRST_WITH_NEWER
 from benchmarks.campaign.pairs import pair_table
 from benchmarks.campaign.report import false_certificate
 from benchmarks.campaign.scenes import Case, draw_case
@@ -24,6 +26,7 @@ from nospill.errors import ScenarioError
 from nospill.scenario import scene_from_table
 
 FEW = [FIRST_COMBINED + number for number in (1, 7, 8, 9, 10, 11, 12)]
+FEW += [FIRST_WITH_NEWER + number for number in range(6)]
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +35,7 @@ def cases() -> list[Case]:
 
 
 def of(table: dict[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in table.items() if key != BACK_AFTER}
+    return {key: value for key, value in table.items() if key not in (BACK_AFTER, ON_FROM)}
 
 
 def test_a_seed_is_a_scenario_of_three_features(cases: list[Case]) -> None:
@@ -51,6 +54,10 @@ def test_a_seed_is_a_scenario_of_three_features(cases: list[Case]) -> None:
 def test_every_pair_of_features_is_drawn_among_the_first_seeds() -> None:
     drawn = {pair for seed in range(400) for pair in combinations(features_of(FIRST_COMBINED + seed), 2)}
     assert drawn == set(combinations(FEATURES, 2))
+    newer = [features_of(FIRST_WITH_NEWER + seed) for seed in range(900)]
+    assert all(set(names) & set(NEWER) for names in newer)
+    pairs = {pair for pair in combinations((*FEATURES, *NEWER), 2) if set(pair) & set(NEWER)}
+    assert pairs <= {pair for names in newer for pair in combinations(names, 2)}
 
 
 def test_shapes_of_objects_are_those_of_the_features() -> None:
