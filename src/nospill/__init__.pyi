@@ -21,6 +21,8 @@ from nospill.laws.constraints.base import EvaluationPoint as EvaluationPoint
 from nospill.laws.constraints.base import Range as Range
 from nospill.laws.constraints.base import Role as Role
 from nospill.laws.sample import Sample as Sample
+from nospill.layouts.record import Layout as Layout
+from nospill.layouts.search import layout as layout
 from nospill.motion.trajectory import Trajectory as Trajectory
 from nospill.motion_files.judging import JudgedMotion as JudgedMotion
 from nospill.motion_files.judging import judge as judge

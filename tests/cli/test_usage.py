@@ -22,7 +22,7 @@ GROUPS = {
     "Judge": ("judge", "check", "executed", "verify", "stops"),
     "Hand over": ("export",),
     "Laboratory": ("identify", "design-test", "measure", "simulate", "compare"),
-    "Many": ("sweep", "largest", "margins", "cache"),
+    "Many": ("sweep", "largest", "layout", "margins", "cache"),
 }
 COMMANDS = tuple(name for names in GROUPS.values() for name in names)
 

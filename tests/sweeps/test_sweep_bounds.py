@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.planning.planner import plan
 from nospill.scenario import load
+from nospill.scenario.settings import stated_value
 from nospill.sweeps import trials
-from nospill.sweeps.bounds import Bound, largest, stated_value
+from nospill.sweeps.bounds import Bound, largest
 from tests.cli.commands import nospill
 
 FRICTION = 0.466308

@@ -15,6 +15,7 @@ from typing import Annotated
 import typer
 
 from nospill import __version__
+from nospill.cli.arranging import layout
 from nospill.cli.bounding import largest
 from nospill.cli.cache import cache
 from nospill.cli.checking import check
@@ -44,7 +45,7 @@ GROUPS: dict[str, tuple[Callable[..., int], ...]] = {
     "Judge": (judge, check, executed, verify, stops),
     "Hand over": (export,),
     "Laboratory": (identify, design_test, measure, simulate, compare),
-    "Many": (sweep, largest, margins, cache),
+    "Many": (sweep, largest, layout, margins, cache),
 }
 """What a user wants -> the commands for it, both in the order of the help text: a new command is a function in a file
 here and an entry in this table."""

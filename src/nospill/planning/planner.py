@@ -12,7 +12,7 @@ from nospill.certification.limiting import longest_held
 from nospill.certification.tracks import with_recorded_modes
 from nospill.certification.wording import finding
 from nospill.compiled.codegen import compiles_afterwards
-from nospill.errors import NoSolutionError
+from nospill.errors import NoSolutionError, ScenarioError
 from nospill.laws.constraints.base import Constraint
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
@@ -24,6 +24,7 @@ from nospill.path_search.free_path import fastest_clear_path, paths_along
 from nospill.path_search.standing import advised_free_paths, require_standing_room
 from nospill.planning.candidate import Candidate
 from nospill.planning.fallbacks import fallbacks, on_path_instead
+from nospill.planning.first_order import duration_change
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
 from nospill.planning.refinement import Judged, certify_by_refinement
@@ -274,6 +275,19 @@ class Planner:
             )
         self.last = planned
         return planned
+
+    def duration_change(self, scene: Scene | ScenarioSource) -> float:
+        """Seconds by which the last motion would be longer in another scene, to the first order; no motion is planned.
+
+        The multipliers say it, as they say what a wider limit saves. The way found for a free path and the planes
+        between bodies stay as they are.
+
+        Raises:
+            ScenarioError: nothing was planned here yet, or the scene has other objects, liquids or rules.
+        """
+        if self._candidate is None:
+            raise ScenarioError("nothing was planned before; call plan first")
+        return duration_change(self._candidate, requested_scene(scene, self.constraints))
 
 
 def _alike(first: Scene, second: Scene) -> bool:

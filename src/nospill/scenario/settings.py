@@ -62,6 +62,35 @@ def present(value: Any) -> Any:
     return value
 
 
+def stated_value(table: Mapping[str, Any], key: str) -> Any:
+    """What a scenario states under a dotted key; of every object, the first one's.
+
+    Raises:
+        ScenarioError: it states nothing there.
+    """
+    found: Any = table
+    for part in key.split("."):
+        above = found
+        if isinstance(found, list):
+            entries = [item for item in found if isinstance(item, dict)]
+            rest = key.rpartition(".")[2]
+            meant = (
+                [item for item in entries if rest in item]
+                if part == EVERY
+                else [item for number, item in enumerate(entries) if part in (item.get("name"), str(number))]
+            )
+            found = meant[0] if meant else None
+        else:
+            found = found.get(part) if isinstance(found, Mapping) else None
+        if found is None:
+            near = nearest(part, map(str, above)) if isinstance(above, Mapping) else None
+            hint = f'did you mean "{near}"? Else ' if near else ""
+            raise ScenarioError(
+                f"{key}: the scenario states no value there to start from; {hint}give two values to search between"
+            )
+    return found
+
+
 def with_settings(table: Mapping[str, Any], settings: Sequence[str]) -> dict[str, Any]:
     """The table with values from text.
 
@@ -80,7 +109,7 @@ def with_settings(table: Mapping[str, Any], settings: Sequence[str]) -> dict[str
             raise ScenarioError(f"--set {as_written(setting)} is not KEY=VALUE; write a dotted key, {_EXAMPLE}")
         place = tuple(part.strip() for part in key.split("."))
         try:
-            changed = with_places(changed, {place: _value(value.strip())})
+            changed = with_places(changed, {place: value_from_text(value.strip())})
         except ScenarioError as error:
             raise ScenarioError(f"--set {error}") from None
     return changed
@@ -173,7 +202,8 @@ def _nobody(name: str, key: str, names: list[str], above: str) -> str:
     return f'no {where} is called "{name}"{hint}'
 
 
-def _value(text: str) -> object:
+def value_from_text(text: str) -> object:
+    """A value as in TOML; what is none is a string."""
     try:
         parsed = tomllib.loads(f"value = {text}")
     except (tomllib.TOMLDecodeError, ValueError, RecursionError):

@@ -9,18 +9,16 @@ the search, not a proof.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, quantity, split_unit
 from nospill.errors import ScenarioError
 from nospill.plans.plan import Plan
 from nospill.scenario.loading import ScenarioSource, load
-from nospill.scenario.settings import EVERY
+from nospill.scenario.settings import stated_value
 from nospill.scene.scene import Scene
 from nospill.sweeps.trials import OnTrial, Trials, Tried
 
@@ -134,35 +132,6 @@ def largest(
         further = [item for item in trials.tried if not item.does and sign * item.number > sign * again.number]
         good, bad = again, min(further, key=lambda item: sign * item.number, default=None)
     return Bound(key, least, seconds, good.value, trials.plan_of(good), bad, trials.tried, unit)
-
-
-def stated_value(table: Mapping[str, Any], key: str) -> Any:
-    """What a scenario states under a dotted key; of every object, the first one's.
-
-    Raises:
-        ScenarioError: it states nothing there.
-    """
-    found: Any = table
-    for part in key.split("."):
-        above = found
-        if isinstance(found, list):
-            entries = [item for item in found if isinstance(item, dict)]
-            rest = key.rpartition(".")[2]
-            meant = (
-                [item for item in entries if rest in item]
-                if part == EVERY
-                else [item for number, item in enumerate(entries) if part in (item.get("name"), str(number))]
-            )
-            found = meant[0] if meant else None
-        else:
-            found = found.get(part) if isinstance(found, Mapping) else None
-        if found is None:
-            near = nearest(part, map(str, above)) if isinstance(above, Mapping) else None
-            hint = f'did you mean "{near}"? Else ' if near else ""
-            raise ScenarioError(
-                f"{key}: the scenario states no value there to start from; {hint}give two values to search between"
-            )
-    return found
 
 
 def _numbers(key: str, values: list[Any]) -> tuple[list[float], str, Any]:

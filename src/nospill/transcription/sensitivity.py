@@ -56,7 +56,7 @@ def savings(problem: Problem, solution: Solution, rows: Iterable[RowId]) -> dict
         more, less = (_scale_limit(problem, row, key, factor) for factor in (1.0 + _STEP, 1.0 - _STEP))
         if more is not None and less is not None:
             parameters = [problem.parameters_of(varied, problem.backoff) for varied in (more, less)]
-            high, low = (_lagrangian(problem, solution, varied) for varied in parameters)
+            high, low = (lagrangian(problem, solution, varied) for varied in parameters)
             savings_of[name] = -WIDER * (high - low) / (2.0 * _STEP)
     return savings_of
 
@@ -66,10 +66,10 @@ def saving_of(problem: Problem, solution: Solution, backoff: Backoff) -> float:
     if problem.scene.motion.duration is not None:
         return 0.0
     after = problem.parameters_of(problem.numbers, backoff)
-    return _lagrangian(problem, solution, problem.parameters) - _lagrangian(problem, solution, after)
+    return lagrangian(problem, solution, problem.parameters) - lagrangian(problem, solution, after)
 
 
-def _lagrangian(problem: Problem, solution: Solution, parameters: np.ndarray) -> float:
+def lagrangian(problem: Problem, solution: Solution, parameters: np.ndarray) -> float:
     """The part of the Lagrangian that changes with the parameters."""
     return float(solution.multipliers @ problem.transcription.constraints(solution.variables, parameters))
 
