@@ -8,6 +8,7 @@ from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
 from nospill.laws.constraints import constrained, constraints_of
 from nospill.laws.constraints.base import Constraint
+from nospill.laws.constraints.slopes import require_slopes
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState, beginning_in
 from nospill.scenario import load
@@ -24,12 +25,13 @@ def requested_scene(scene: Scene | ScenarioSource, constraints: Iterable[Constra
 
     Raises:
         ScenarioError: it is none of these, cannot be read, or is a copy made with `dataclasses.replace`; a constraint
-            is none, or one that the scene was saved with is not at hand.
+            is none or has no slope at rest, or one that the scene was saved with is not at hand.
     """
     if isinstance(scene, Plan):
         raise ScenarioError("a scene is needed, and this is a plan; its scene is plan.scene")
     asked = constrained(scene.require_as_read() if isinstance(scene, Scene) else load(scene), constraints)
     require_constraints(asked)
+    require_slopes(asked)
     return asked
 
 

@@ -185,7 +185,7 @@ def test_an_error_in_the_class_is_reported_as_the_users() -> None:
     said = str(caught.value)
     assert said.startswith('constraint "crawl": Slip.budgets raised TypeError in ') and "\n" not in said
     assert f"{__file__}, line {line}: 'NoneType' object" in said
-    assert said.endswith("at EvaluationPoint.TRAY a sample has tray_position, tray_velocity, tray_acceleration alone")
+    assert said.endswith("at TRAY a sample has tray_position, tray_velocity, tray_acceleration alone")
 
 
 def test_an_error_in_subjects_is_too() -> None:
@@ -274,6 +274,18 @@ def test_what_is_no_constraint_of_the_scene_is_told(constraints: Any, told: str)
         (lambda sample: ((), ()), "a tuple of Cone or Range is needed for each subject"),
         (lambda sample: ((sample.tray_velocity,),) * 2, "which is no Cone and no Range"),
         (lambda sample: ((ns.Cone(sample.tray_velocity, "fast", 1.0),),) * 2, "capacity is of type str; a CasADi SX"),  # type: ignore[arg-type]
+        (
+            lambda sample: ((ns.Cone(sample.joint_speed, 1.0, 1.0),),) * 2,
+            "Cone whose demand is of type NoneType; .*; at TRAY a sample has tray_position, tray_velocity, ",
+        ),
+        (
+            lambda sample: ((ns.Range(sample.tray_velocity[0], None, None, 1.0),),) * 2,
+            "a Range with neither lower nor upper",
+        ),
+        (
+            lambda sample: ((ns.Cone(sample.tray_velocity, 1.0 if sample.tray_velocity[0] > 0 else 2.0, 1.0),),) * 2,
+            "raised RuntimeError in .*: write casadi.if_else, fmin or fmax",
+        ),
         (
             lambda sample: ((ns.Range(sample.tray_velocity, 0.0, None, 1.0),),) * 2,
             r"value has \(3, 1\) entries",

@@ -232,8 +232,8 @@ def _fraction_left(budget: Budget) -> ca.SX:
     if isinstance(budget, Stop):
         _, limit, margin = figures(budget, False)
         return ca.vertcat(ca.fabs(limit), margin)
-    if budget.upper is None:
-        return ca.vertcat(budget.scale, budget.value - budget.lower)
+    if budget.lower is None or budget.upper is None:
+        return ca.vertcat(budget.scale, figures(budget, False)[2])
     half = (budget.upper - budget.lower) / 2
     return ca.vertcat(half, half - ca.fabs(budget.value - (budget.upper + budget.lower) / 2))
 
@@ -276,3 +276,15 @@ def test_a_range_reports_the_nearer_end():
     for value, limit, margin in ((0.9, 1.0, 0.1), (-1.9, -2.0, 0.1), (1.2, 1.0, -0.2), (-2.5, -2.0, -0.5)):
         budget = Range(ca.SX(value), ca.SX(-2.0), ca.SX(1.0), ca.SX(1.0))
         assert [float(ca.evalf(part)) for part in figures(budget, False)] == pytest.approx([value, limit, margin])
+
+
+@pytest.mark.parametrize("value", [0.9, 1.2])
+def test_a_range_with_one_end_has_what_is_left_to_it(value: float):
+    above, below = Range(ca.SX(value), None, 1.0, 2.0), Range(ca.SX(-value), -1.0, None, 2.0)
+    for budget, sign in ((above, 1.0), (below, -1.0)):
+        assert [float(ca.evalf(part)) for part in figures(budget, False)] == pytest.approx(
+            [sign * value, sign * 1.0, 1.0 - value]
+        )
+        row, lower, upper = smooth_rows(budget, ca.SX(0.01))
+        assert float(ca.evalf(row)) == pytest.approx((1.0 - value) / 2.0 - 0.01)
+        assert lower.tolist() == [0.0] and upper.tolist() == [np.inf]

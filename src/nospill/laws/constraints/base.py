@@ -152,13 +152,13 @@ class Range:
 
     Attributes:
         value: scalar.
-        lower: scalar, same unit.
+        lower: scalar, same unit; None for a limit from above alone.
         upper: likewise; None for a limit from below alone.
         scale: a positive size of them.
     """
 
     value: SX
-    lower: SX | float
+    lower: SX | float | None
     upper: SX | float | None
     scale: SX | float
 
@@ -194,8 +194,8 @@ def smooth_rows(budget: Budget, reserve: SX) -> tuple[SX, np.ndarray, np.ndarray
         rows: SX = ca.vertcat(value / budget.capacity, *[way / scale for way in ways])
         return rows, np.array([-1.0, 0.0, 0.0]), np.array([1.0, np.inf, np.inf])
     if isinstance(budget, Range):
-        if budget.upper is None:
-            return (budget.value - budget.lower) / budget.scale - reserve, np.zeros(1), np.full(1, np.inf)
+        if budget.lower is None or budget.upper is None:
+            return _one_end(budget)[1] / budget.scale - reserve, np.zeros(1), np.full(1, np.inf)
         middle, half = (budget.upper + budget.lower) / 2, (budget.upper - budget.lower) / 2
         return (budget.value - middle) / (half * (1 - reserve)), -np.ones(1), np.ones(1)
     capacity = budget.capacity * (1 - reserve) / budget.scale
@@ -203,6 +203,14 @@ def smooth_rows(budget: Budget, reserve: SX) -> tuple[SX, np.ndarray, np.ndarray
     if demand.numel() == 1:
         return ca.vertcat(capacity - demand, capacity + demand), np.zeros(2), np.full(2, np.inf)
     return capacity**2 - ca.dot(demand, demand), np.zeros(1), np.full(1, np.inf)
+
+
+def _one_end(budget: Range) -> tuple[SX, SX]:
+    """The end of a range that has one, and what is left to it."""
+    if budget.lower is not None:
+        return SX(budget.lower), budget.value - budget.lower
+    assert budget.upper is not None
+    return SX(budget.upper), budget.upper - budget.value
 
 
 def figures(budget: Budget, relative: bool) -> tuple[SX, SX, SX]:
@@ -215,10 +223,9 @@ def figures(budget: Budget, relative: bool) -> tuple[SX, SX, SX]:
         least = ca.fmin(budget.capacity, ca.sqrt(way) - budget.offset)
         return budget.value, ca.if_else(budget.value < 0, -least, least), least - ca.fabs(budget.value)
     if isinstance(budget, Range):
-        low = budget.value - budget.lower
-        if budget.upper is None:
-            return budget.value, SX(budget.lower), low
-        high = budget.upper - budget.value
+        if budget.lower is None or budget.upper is None:
+            return budget.value, *_one_end(budget)
+        low, high = budget.value - budget.lower, budget.upper - budget.value
         return budget.value, ca.if_else(low < high, budget.lower, budget.upper), ca.fmin(low, high)
     demand = ca.norm_2(budget.demand) if budget.demand.numel() > 1 else ca.fabs(budget.demand)
     if not relative:

@@ -134,14 +134,18 @@ class Supplied(Constraint):
         values: dict[str, SX | None] = {}
         for item in dataclasses.fields(budget):
             value = getattr(budget, item.name)
-            if value is None and item.name == "upper":
+            if value is None and item.name in ("lower", "upper"):
                 values[item.name] = None
                 continue
             try:
                 values[item.name] = _expression(value)
             except (TypeError, NotImplementedError):
-                kind = type(value).__name__
-                raise self._error(f"{item.name} is of type {kind}; a CasADi SX or a number is needed") from None
+                raise self._error(
+                    f"budgets returned a {type(budget).__name__} whose {item.name} is of type {type(value).__name__}; "
+                    f"a CasADi SX or a number is needed{self._has if value is None else ''}"
+                ) from None
+        if isinstance(budget, Range) and budget.lower is None and budget.upper is None:
+            raise self._error("budgets returned a Range with neither lower nor upper; one of them is needed")
         scale = values.get("scale")
         if scale is not None and scale.is_constant() and float(scale) <= 0.0:
             raise self._error(f"budgets returned the scale {float(scale):g}; a positive size of the limit is needed")
@@ -158,12 +162,16 @@ class Supplied(Constraint):
         except NospillError:
             raise
         except Exception as error:
-            hint = ""
-            if "NoneType" in str(error):
-                hint = f"; at {self.evaluated_at} a sample has {', '.join(PARTS[self.evaluated_at])} alone"
+            hint = self._has if "NoneType" in str(error) else ""
+            if "truth value" in str(error):
+                hint = "; Python's if, min and max cannot ask an expression: write casadi.if_else, fmin or fmax"
             text = " ".join(str(error).split())[:300]
             place = _place(error, type(self.own), method)
             raise self._error(f"{method} raised {type(error).__name__} in {place}: {text}{hint}") from error
+
+    @property
+    def _has(self) -> str:
+        return f"; at {self.evaluated_at.name} a sample has {', '.join(PARTS[self.evaluated_at])} alone"
 
     def _error(self, text: str) -> ScenarioError:
         return ScenarioError(f'constraint "{self.name}": {type(self.own).__name__}.{text}')
