@@ -8,7 +8,7 @@ scene = ns.load("pp-two-cups")  # the name of an example, a scenario file, or a 
 plan = ns.plan(scene)
 
 print(f"{scene.name}: {plan.duration:.3f} s")
-print(plan.message)
+print(plan.text())  # certificate, warnings, what holds it back: what `nospill plan` prints
 for row in plan.certificate.worst_rows()[:3]:
     print(f"{row.constraint} of {row.subject}: {100 * row.use:.1f} % of the limit at {row.at_s:.2f} s")
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from nospill.plans.loading import load_plan
 from tests.cli.commands import nospill
 from tests.waiting import run_python
 
@@ -24,6 +25,19 @@ def test_check_judges_again_and_writes_nothing(plan_folder: Path) -> None:
     assert "robot.csv holds the motion of the trajectory" in lines
     assert any(line.startswith("warning: joint acceleration: ") for line in lines)  # no limit of it is known
     assert contents(plan_folder) == before
+
+
+def test_a_plan_says_in_python_what_check_prints(plan_folder: Path) -> None:
+    printed = {_words(line) for line in nospill("check", "tea").stdout.splitlines()}
+    said = [_words(line) for line in load_plan(plan_folder).text().splitlines() if not line.startswith("---")]
+    own = said.index(next(line for line in said if line[:1] == ("duration:",)))
+    warnings = [line for line in said[:own] if line[:1] == ("warning:",)]  # the folder has others than are found now
+    assert set(said[:own]) - set(warnings) <= printed and own > 15 and warnings
+    assert {"duration:", "branch:"} <= {line[0] for line in said[own:]}
+
+
+def _words(line: str) -> tuple[str, ...]:
+    return tuple(line.split())
 
 
 def test_check_believes_the_trajectory_and_not_the_certificate(plan_folder: Path) -> None:

@@ -36,6 +36,14 @@ def test_arrays_a_trajectory_and_a_file_say_the_same(plan: ns.Plan, tmp_path) ->
             assert row.worst_margin == pytest.approx(other.worst_margin, abs=1e-5 * row.size + 1e-9), row.id
 
 
+def test_it_says_what_it_is(plan: ns.Plan) -> None:
+    judged = ns.judge(arrays(plan), plan.scene)
+    assert repr(judged) == f"<JudgedMotion of arrays: {plan.trajectory.t[-1]:.3f} s, {judged.certificate.word}>"
+    lines = judged.text().splitlines()
+    assert lines[0].startswith("read: ") and lines[-1].startswith("not judged: path, ")
+    assert any(line.startswith("slosh height") and line.endswith(" s") for line in lines)
+
+
 def test_its_record_is_that_of_the_plan_it_was(plan: ns.Plan) -> None:
     """Tray, tilt and liquids from the joints alone, at the instants of the plan's own record."""
     record, own = ns.judge(plan.trajectory, plan.scene).plan.trajectory, plan.trajectory

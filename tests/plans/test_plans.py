@@ -20,6 +20,7 @@ from nospill.laws.constraints import BY_NAME
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import SUMMARY_KEYS, Plan, failed_summary
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
+from nospill.plans.warnings.record import PlanWarning
 from nospill.scenario import read_scenario
 from nospill.transcription.starting_motions import Start
 from tests.builders import joint_path_of, smooth_record, with_few_speeds
@@ -213,6 +214,9 @@ def test_the_judgement_is_evidence_and_no_part_of_the_record(judged: tuple[Plan,
     plan, _ = judged
     bare = dataclasses.replace(plan, judgement=None)
     assert "judgement" not in repr(plan)
+    one, other, again = (PlanWarning(name, "c1", "", 1.0, 0.0) for name in ("crest", "mass", "mass"))
+    assert repr(dataclasses.replace(plan, warnings=(one,))).endswith("s, certified as published, 1 warning>")
+    assert repr(dataclasses.replace(plan, warnings=(one, other, again))).endswith(", 2 warnings>")
     for name, one in (("a", plan), ("b", bare)):
         one.save(tmp_path / name)
     for path in (tmp_path / "a").iterdir():

@@ -79,46 +79,15 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
 
 def print_certificate(certificate: Certificate, scene: Scene, *, everything: bool = False) -> None:
     """Print the verdict, then the fullest row of each constraint, the fullest first, or all rows, and the rims."""
-    from nospill.certification.rims import rim_distances, rim_line
-    from nospill.certification.wording import (
-        full_model_note,
-        integrity_line,
-        linear_heights_line,
-        row_text,
-        verdict_line,
-    )
-    from nospill.core.short_names import short_names
+    from nospill.certification.table import RIGHT, certificate_notes, certificate_table
+    from nospill.certification.wording import verdict_line
 
-    rows = certificate.rows if everything else certificate.listed_rows()
-    joints = scene.robot.joints
-    short = dict(zip(joints, short_names(joints), strict=True))
-    varied = any(row.variant for row in rows)
-    failing = {index for index, row in enumerate(rows) if not row.ok}
-    columns = ["constraint", "of", "use", *(["FAILS"] if failing else []), "value", "limit", "at"]
-    lines = []
-    for row in rows:
-        text = row_text(row)
-        mark = [] if not failing else ["" if row.ok else "FAILS"]
-        cells = [row.constraint, short.get(row.subject, row.subject), text.use, *mark, text.value, text.limit_and_unit]
-        lines.append([*cells, f"{row.at_s:.3f} s", *([row.variant] if varied else [])])
-    columns += ["with"] if varied else []
-    drop = [*(["with"] if varied else []), "at", "value", "limit"]
+    table = certificate_table(certificate, scene, everything=everything)
+    drop = [name for name in ("with", "at", "value", "limit") if name in table.columns]
     print_verdict(verdict_line(certificate), certificate.ok)
     print()
-    print_table(columns, lines, right=("use", "value", "limit", "at"), drop=drop, failing=failing)
-    if not everything and certificate.record_rows():
-        print(integrity_line(certificate))
-    if certificate.self_collision is not None:
-        print_lines(certificate.self_collision.text)
-    rims = rim_line(rim_distances(scene, certificate.rows))
-    if rims:
-        print_lines(rims)
-    linear = linear_heights_line(certificate.rows)
-    if linear:
-        print_lines(linear)
-    note = full_model_note(certificate)
-    if note:
-        print_lines(f"warning: {note}")
+    print_table(table.columns, table.cells, right=RIGHT, drop=drop, failing=table.failing)
+    print_lines(*certificate_notes(certificate, scene, everything=everything))
     print()
 
 

@@ -135,16 +135,12 @@ def plan(
 
 def print_plan(outcome: Plan, output: Path | None, page: Path | None = None) -> None:
     """Print verdict, certificate, what holds the motion back, what was chosen and written, and the verdict again."""
+    from nospill.plans.text import plan_lines
+
     certificate = outcome.certificate
     print_certificate(certificate, outcome.scene)
     print_warnings(outcome.warnings)
-    lines = [f"duration: {outcome.duration:.3f} s"]
-    lines += [f"direct way blocked: {outcome.report.blocked_way}"] if outcome.report.blocked_way else []
-    lines += [f"held back: {outcome.limiting_text}"] if outcome.limiting_text else []
-    lines += [outcome.savings_text] if outcome.savings_text else []
-    lines += [outcome.survival_text] if outcome.survival_text else []
-    lines += outcome.comparison
-    lines += _choices(outcome)
+    lines = plan_lines(outcome)
     lines.append(f"written to {output}" if output is not None else "nothing written; -o DIR keeps the plan")
     lines += [f"written to {page}"] if page is not None else []
     lines += [f"look: nospill view {output}"] if output is not None else []
@@ -169,31 +165,6 @@ def plot(
     for name in names:
         print(figures / name)
     return 0
-
-
-def _choices(found: Plan) -> list[str]:
-    """What was chosen for the arm, and how it gets to the start, a line each."""
-    from nospill.plans.settling import AFTER_APPROACH, settling_time
-
-    lines = [f"branch: {found.report.branch}"]
-    if found.report.base_yaw is not None:
-        lines.append(f"base yaw: {found.report.base_yaw} (left free)")
-    rules = found.scene.motion
-    if rules.hold_before or rules.hold_after:
-        lines.append(f"holds: {rules.hold_before:g} s before and {rules.hold_after:g} s after, in exported files")
-    segment = found.approach
-    if segment is not None:
-        tray = "loaded" if segment.loaded else "empty"
-        slowed = "" if segment.stretch == 1.0 else f", {segment.stretch:g} times as slowly as its limits allow"
-        unchecked = "" if found.scene.obstacles else "; collisions with what is around are not checked"
-        lines.append(f"approach: {segment.duration:.3f} s with the tray {tray}{slowed}{unchecked}")
-        wait = settling_time(found.scene, found.certificate, AFTER_APPROACH)
-        if wait > 0.0:
-            lines.append(f"approach: the liquids swing on; wait {wait:.1f} s before the motion, which starts from rest")
-    settling = settling_time(found.scene, found.certificate)
-    if settling > 0.0:
-        lines.append(f"next motion: after {settling:.1f} s, when the liquids are at rest (2 % of their limits)")
-    return lines
 
 
 def _write_figures(found: Plan, progress: ProgressLine, folder: Path, *, pdf: bool, everything: bool) -> None:

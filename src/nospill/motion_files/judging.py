@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from nospill.certification.certificate import Judgement, judge_command
 from nospill.certification.plausibility import require_level, require_rate
 from nospill.certification.replay import MINIMUM_RATE
+from nospill.certification.table import certificate_text
 from nospill.certification.verdict import Certificate, Trace
 from nospill.errors import ScenarioError
 from nospill.laws.constraints import constrained
@@ -35,7 +36,7 @@ NOT_JUDGED = "path, corridor, tilt and goal of the plan, jerks"
 """What joint points do not say."""
 
 
-@dataclass(frozen=True, eq=False)  # without slots: the plan is made once
+@dataclass(frozen=True, eq=False, repr=False)  # without slots: the plan is made once
 class JudgedMotion:
     """A motion of any origin with its verdict.
 
@@ -63,6 +64,15 @@ class JudgedMotion:
     def certificate(self) -> Certificate:
         """The verdict."""
         return self.judgement.certificate
+
+    def __repr__(self) -> str:
+        end = self.file.samples.t[-1]
+        return f"<JudgedMotion of {self.file.origin}: {end:.3f} s, {self.certificate.word}>"
+
+    def text(self) -> str:
+        """What was read, how it is played and its certificate, in many lines, as `nospill judge` prints them."""
+        verdict = certificate_text(self.certificate, self.scene)
+        return "\n".join([f"read: {self.file.read}", self.played_text, verdict, "", f"not judged: {NOT_JUDGED}"])
 
     @cached_property
     def plan(self) -> Plan:

@@ -69,7 +69,9 @@ class Plan:
         return self.trajectory.end_time
 
     def __repr__(self) -> str:
-        return f"<Plan of {self.scene.name}: {self.duration:.3f} s, {self.status}>"
+        kinds = len({warning.name for warning in self.warnings})
+        warned = f", {kinds} {'warning' if kinds == 1 else 'warnings'}" if kinds else ""
+        return f"<Plan of {self.scene.name}: {self.duration:.3f} s, {self.status}{warned}>"
 
     @property
     def status(self) -> str:
@@ -210,6 +212,14 @@ class Plan:
     def summary(self) -> dict[str, Any]:
         """What summary.json holds; the keys are stable."""
         return {key: entry.written(self) for key, entry in _SUMMARY.items()}
+
+    def text(self) -> str:
+        """What `nospill plan` prints of it, in many lines: certificate, warnings, what holds it back, what it survives.
+
+        Raises:
+            PlanFolderError, ModelError: as `evidence`.
+        """
+        return str(importlib.import_module("nospill.plans.text").plan_text(self.with_second_looks()))
 
     def timed(self, phase: str, seconds: float) -> Plan:
         """The same plan with the time of one more phase in its report."""
