@@ -1,9 +1,6 @@
 """Files for controllers, each read back and judged as its receiver plays it."""
 
-from pathlib import Path
-
 import nospill as ns
-from nospill.plans.handover import exporter_named, hand_over
 
 plan = ns.plan("pp-two-cups")
 for name, file, rate in (
@@ -11,7 +8,7 @@ for name, file, rate in (
     ("joint-trajectory", "two-cups-coarse.yaml", 20.0),
     ("tray-csv", "two-cups.csv", 500.0),
 ):
-    done = hand_over(plan, exporter_named(name), Path(file), rate=rate)
+    done = ns.hand_over(plan, name, file, rate=rate)
     worst = done.certificate.worst
     print(f"{file}: {done.samples} samples at {done.rate:g} Hz for {done.exporter.receiver}")
     print(f"  {done.certificate.word}: {worst.constraint} of {worst.subject} {100 * worst.use:.1f} % of its limit")

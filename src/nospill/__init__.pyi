@@ -29,6 +29,7 @@ from nospill.motion_files.judging import judge as judge
 from nospill.planning.planner import Planner as Planner
 from nospill.planning.planner import plan as plan
 from nospill.planning.retiming import retime as retime
+from nospill.plans.handover import hand_over as hand_over
 from nospill.plans.loading import load_plan as load_plan
 from nospill.plans.plan import Plan as Plan
 from nospill.plans.rows import with_residual_slosh as with_residual_slosh

@@ -197,6 +197,17 @@ def test_the_fewest_points_are_certified_and_one_fewer_is_refused(gentle_plan, t
     assert not path.exists()
 
 
+def test_a_format_by_its_name_and_a_file_by_its_text(gentle_plan, tmp_path):
+    plan = gentle_plan("matrix-rigid", 1)
+    done = hand_over(plan, "joint-trajectory", str(tmp_path / "motion.yaml"), rate=250.0, prefix="left_")
+    assert done.exporter.name == "joint-trajectory" and done.rate == 250.0
+    assert 'joint_names: ["left_joint_1", ' in done.path.read_text(encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"no format 'ur'; there are lab-csv, .*; did you mean 'urscript'"):
+        hand_over(plan, "ur", tmp_path / "motion.script")
+    with pytest.raises(ScenarioError, match="joint-trajectory: no option --gain; its options are --prefix"):
+        hand_over(plan, "joint-trajectory", tmp_path / "motion.yaml", gain=300)
+
+
 @pytest.mark.parametrize(
     ("name", "options", "message"),
     [

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from nospill.certification.verdict import Certificate
+from nospill.core.suggestions import nearest
 from nospill.errors import NospillError, PlanFolderError, ScenarioError
 from nospill.export import EXPORTERS, Exporter
 from nospill.motion.holds import hold_periods
@@ -77,7 +78,9 @@ def exporter_named(name: str) -> Exporter:
         ScenarioError: there is none of this name.
     """
     if name not in EXPORTERS:
-        raise ScenarioError(f"no format {name!r}; there are {', '.join(EXPORTERS)}")
+        near = nearest(name, EXPORTERS) or next((one for one in EXPORTERS if one.startswith(name[:2].lower())), None)
+        hint = f"; did you mean {near!r}?" if near else ""
+        raise ScenarioError(f"no format {name!r}; there are {', '.join(EXPORTERS)}{hint}")
     return EXPORTERS[name]
 
 
@@ -103,23 +106,33 @@ def with_options(exporter: Exporter, options: Mapping[str, object]) -> Exporter:
 
 
 def hand_over(
-    plan: Plan, exporter: Exporter, path: Path, *, rate: float | None = None, points: int | None = None
+    plan: Plan,
+    exporter: Exporter | str,
+    path: str | Path,
+    *,
+    rate: float | None = None,
+    points: int | None = None,
+    **options: object,
 ) -> Handover:
     """Write a plan's file, read it back and judge what its receiver will play.
 
     Args:
         plan: with a scene and a trajectory.
-        exporter: the format.
+        exporter: the format or its name, as "urscript"; `nospill export --list` has them.
         path: file to write, at once or not at all.
         rate: samples per second, Hz; the format's usual one or the plan's when left out.
         points: how many samples there may be at most; then they are the fewest, unevenly spaced, that stay certified,
             of the plan's own. Those of `[controller]` when left out, for a format of uneven samples.
+        options: of the format, as `with_options` takes them: gain=300 of "urscript".
 
     Raises:
-        ScenarioError: the format does not take this scene, rate or uneven samples; or more samples are needed.
+        ScenarioError: no format has this name or these options, or it does not take this scene, rate or uneven samples;
+            or more samples are needed.
         PlanFolderError: the disk refuses, or the file does not hold this plan's motion when it is read.
         ModelError: the liquids cannot be integrated along what was read.
     """
+    exporter = with_options(exporter_named(exporter) if isinstance(exporter, str) else exporter, options)
+    path = Path(path)
     if points is not None and rate is not None:
         raise ScenarioError(f"{exporter.name}: few points are some of the plan's own; leave --rate or --points out")
     rate = rate_of(plan, exporter, rate)
