@@ -16,7 +16,15 @@ from nospill.laws.constraints import constrained
 from nospill.laws.constraints.base import Constraint
 from nospill.motion.trajectory import read_trajectory
 from nospill.plans.approach import judge_whole
-from nospill.plans.names import APPROACH_FILE, CERTIFICATE_FILE, SCENARIO_FILE, SUMMARY_FILE, TRAJECTORY_FILE
+from nospill.plans.names import (
+    APPROACH_FILE,
+    CERTIFICATE_FILE,
+    CYCLE_FILE,
+    LEGS_FOLDER,
+    SCENARIO_FILE,
+    SUMMARY_FILE,
+    TRAJECTORY_FILE,
+)
 from nospill.plans.plan import Plan, restored_records
 from nospill.plans.warnings.record import PlanWarning
 from nospill.scenario import read_scenario
@@ -48,6 +56,10 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
     place = Path(folder)
     if not place.is_dir():
         raise PlanFolderError(f"{place}: no such folder; make one with nospill plan SCENARIO -o DIR")
+    if (place / CYCLE_FILE).is_file():
+        legs = sorted(leg.name for leg in (place / LEGS_FOLDER).glob("*") if leg.is_dir())
+        named = f", as {place / LEGS_FOLDER / legs[0]}" if legs else ""
+        raise PlanFolderError(f"{place}: holds a cycle, and one motion is meant here: name the folder of a leg{named}")
     for name in (SCENARIO_FILE, TRAJECTORY_FILE, CERTIFICATE_FILE, SUMMARY_FILE):
         if not (place / name).is_file():
             raise PlanFolderError(f"{place}: not a plan folder: {name} is missing")

@@ -10,6 +10,8 @@ APPROACH_FILE = "approach.csv"
 CERTIFICATE_FILE = "certificate.json"
 SUMMARY_FILE = "summary.json"
 FIGURES_FOLDER = "figures"
+CYCLE_FILE = "cycle.json"
+LEGS_FOLDER = "legs"
 
 _CONTROLLER_FILES = {exporter.plan_file for exporter in EXPORTERS.values() if exporter.plan_file is not None}
 PLAN_NAMES = frozenset(
@@ -21,3 +23,12 @@ PLAN_NAMES = frozenset(
 def is_plan_folder(names: set[str]) -> bool:
     """Whether a folder with these names in it was written as a plan: it holds the summary and nothing foreign."""
     return SUMMARY_FILE in names and names <= PLAN_NAMES
+
+
+CYCLE_NAMES = frozenset({SCENARIO_FILE, CERTIFICATE_FILE, CYCLE_FILE, LEGS_FOLDER, FIGURES_FOLDER})
+"""What the folder of a planned cycle may hold."""
+
+
+def is_cycle_folder(names: set[str]) -> bool:
+    """Whether a folder with these names in it was written as the plan of a cycle, and holds nothing foreign."""
+    return CYCLE_FILE in names and names <= CYCLE_NAMES

@@ -55,7 +55,7 @@ def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
             "first, the plan before it second"
         )
     require_in_a_row(scene, plan)
-    return _beginning_where(_swinging_after(scene, plan, wait), plan)
+    return _beginning_where(swinging_after(scene, plan, wait), plan)
 
 
 def judged_after(after: Plan, before: Plan, wait: float) -> tuple[Plan, str]:
@@ -74,7 +74,7 @@ def judged_after(after: Plan, before: Plan, wait: float) -> tuple[Plan, str]:
         ModelError: the liquids cannot be integrated.
     """
     require_in_a_row(after.scene, before)
-    return replace(after, scene=_swinging_after(after.scene, before, wait)), seam_fault(before, after)
+    return replace(after, scene=swinging_after(after.scene, before, wait)), seam_fault(before, after)
 
 
 def seam_fault(before: Plan, after: Plan) -> str:
@@ -87,7 +87,8 @@ def seam_fault(before: Plan, after: Plan) -> str:
     return fault and f"{fault}; plan it with --after, or with_residual_slosh"
 
 
-def _swinging_after(scene: Scene, plan: Plan, wait: float) -> Scene:
+def swinging_after(scene: Scene, plan: Plan, wait: float) -> Scene:
+    """The scene with the swing that a plan's motion and a wait leave; raises as `swing_after`."""
     left = swing_after(plan, wait, scene.cargo)
     return scene.changed(
         {f"cargo.{item.name}.initial_swing": swing_table(left[item.name]) for item in scene.cargo if item.name in left}

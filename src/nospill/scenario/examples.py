@@ -28,6 +28,12 @@ EXAMPLES: dict[str, str] = {
 }
 """Name -> what it shows, in one line. The file of each is `scenario/data/<name>.toml`."""
 
+CYCLES: dict[str, str] = {
+    "matrix-cycle": "the four cups along the published arc, all taken off, and back with the tray empty on any way",
+    "bar-service": "four glasses to four guests, one fewer after each stop, and back with the tray empty",
+}
+"""The same of cycles, files in `scenario/data/cycles`."""
+
 _FOLDER = Path(__file__).parent / "data"
 
 
@@ -37,6 +43,8 @@ def example_path(name: str) -> Path:
     Raises:
         ScenarioError: no example has that name; the message lists the names.
     """
+    if name in CYCLES:
+        return _FOLDER / "cycles" / f"{name}.toml"
     if name not in EXAMPLES:
         near = nearest(name, EXAMPLES)
         hint = f'; did you mean "{near}"?' if near else ""

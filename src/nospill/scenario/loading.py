@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from nospill.core.files import UnreadableError, bounded_text
 from nospill.core.suggestions import nearest
 from nospill.core.units import as_written
 from nospill.errors import ScenarioError
-from nospill.scenario.examples import EXAMPLES, example_path
+from nospill.scenario.examples import CYCLES, EXAMPLES, example_path
 from nospill.scenario.model import Scenario
 from nospill.scenario.scenes import scene_from_table
 from nospill.scenario.sentences import report
@@ -42,13 +43,38 @@ def load(scenario: ScenarioSource, *, settings: Sequence[str] = ()) -> Scene:
         ScenarioError: it cannot be read, or describes no possible task; one line that names the file ("scenario" for a
             dictionary), the place in it, the value and what is allowed.
     """
+    found = table_of(scenario, settings)
+    return scene_from_table(found.table, name=found.name, folder=found.folder, label=found.label)
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A scenario before its keys are looked at.
+
+    Attributes:
+        table: its parsed content.
+        name: of what it describes, where the table has none.
+        folder: where files that it names are looked up.
+        label: what messages call it.
+    """
+
+    table: dict[str, Any]
+    name: str
+    folder: Path
+    label: str
+
+
+def table_of(scenario: ScenarioSource, settings: Sequence[str] = ()) -> Found:
+    """The content of a scenario from wherever it is; arguments and errors as for `load`."""
     if isinstance(scenario, Mapping | Scenario):
         table = plain(scenario)
         _require_text_keys(table)
-        label = _label("scenario", settings)
-        return scene_from_table(with_settings(table, settings), name="scenario", label=label)
+        return Found(with_settings(table, settings), "scenario", Path(), _label("scenario", settings))
     if isinstance(scenario, str | os.PathLike):
-        return read_scenario(scenario, settings=settings)
+        label = os.fsdecode(scenario)
+        file = _locate(label)
+        table = with_settings(_parse(file, label), settings)
+        return Found(table, file.stem, file.parent, _label(label, settings))
     raise ScenarioError(
         f"a scenario is a TOML file, a plan folder, the name of a bundled example, a Scenario or a dictionary, "
         f"not a value of type {scenario.title() if isinstance(scenario, Table) else type(scenario).__name__}"
@@ -67,10 +93,12 @@ def read_scenario(path: str | os.PathLike[str], *, settings: Sequence[str] = ())
         ScenarioError: the file cannot be read, is not TOML, or describes no possible task; one line that names the
             file, the place in it, the value and what is allowed.
     """
-    label = os.fsdecode(path)
-    file = _locate(label)
-    table = with_settings(_parse(file, label), settings)
-    return scene_from_table(table, name=file.stem, folder=file.parent, label=_label(label, settings))
+    return load(path, settings=settings)
+
+
+def has_legs(scenario: ScenarioSource) -> bool:
+    """Whether a scenario is a cycle: it has `[[leg]]` tables; raises as `load` where it cannot be read."""
+    return "leg" in table_of(scenario).table
 
 
 def _require_text_keys(value: Any) -> None:
@@ -96,7 +124,7 @@ def _locate(label: str) -> Path:
     try:
         if file.is_file():
             return file
-        if label in EXAMPLES:
+        if label in EXAMPLES or label in CYCLES:
             return example_path(label)
         if (file / KEPT_SCENARIO).is_file():
             return file / KEPT_SCENARIO
@@ -107,7 +135,7 @@ def _locate(label: str) -> Path:
         raise report(as_written(label), [("", f"cannot be read: {_reason(error)}")]) from None
     if exists:
         raise report(label, [("", "is not a regular file; give a TOML file")])
-    near = nearest(label, EXAMPLES)
+    near = nearest(label, [*EXAMPLES, *CYCLES])
     hint = f'did you mean "{near}"?' if near else _KNOWN_EXAMPLES
     raise report(label, [("", f"no such file, and no bundled example of that name; {hint}")])
 

@@ -37,6 +37,12 @@ def scene_from_table(
         ScenarioError: as for `read_scenario`.
     """
     label = name if label is None else label
+    if table.get("leg"):
+        raise report(
+            label,
+            [("", "has [[leg]] tables: it is a cycle, for nospill plan, nospill check and ns.load_cycle; elsewhere "
+              "name the plan folder of one of its legs")],
+        )
     return read_scene(table, label=label, name=name, folder=Path(folder), origin=StandaloneScenario)
 
 

@@ -1,0 +1,113 @@
+"""From a cycle to its plan: leg after leg, each from what the one before it leaves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from nospill.certification.certificate import judge
+from nospill.errors import NoSolutionError, ScenarioError
+from nospill.motion.holds import hold_periods
+from nospill.planning.log import OnProgress
+from nospill.planning.planner import plan
+from nospill.plans.cycle import CyclePlan, planned_cycle
+from nospill.plans.plan import Plan, judged_plan
+from nospill.plans.rows import with_residual_slosh
+from nospill.plans.settling import settling_time
+from nospill.scenario.cycles import load_cycle, with_dwells
+from nospill.scenario.loading import ScenarioSource
+from nospill.scene.cycle import Cycle, CycleLeg
+from nospill.scene.scene import Scene
+
+_MOST_DWELLS = 12
+"""Dwells that are tried where the shortest is asked for: three periods of the slowest liquid."""
+
+
+def plan_cycle(
+    cycle: Cycle | ScenarioSource,
+    *,
+    progress: OnProgress | None = None,
+    said: Callable[[str], None] | None = None,
+) -> CyclePlan:
+    """Find the fastest motion of each leg of a cycle, from what the leg before it leaves, and certify all of it.
+
+    Args:
+        cycle: the task, or what `load_cycle` takes.
+        progress: called with where planning stands, leg by leg.
+        said: called with the name of a leg before it is planned.
+
+    Returns:
+        The plan; its certificate is not ok where a row of a leg fails.
+
+    Raises:
+        ScenarioError: no valid scenario describes a cycle, or the arm cannot follow a leg's path from where it stands.
+        NoSolutionError: a leg has no motion; names it and what is in the way.
+        MissingExtraError: as for `plan`.
+    """
+    task = cycle if isinstance(cycle, Cycle) else load_cycle(cycle)
+    plans: list[Plan] = []
+    for index, leg in enumerate(task.legs):
+        if said is not None:
+            said(leg.name)
+        first = plans[0] if index == len(task.legs) - 1 else None
+        if plans and task.legs[index - 1].dwell is None:
+            plans[-1:] = _after_shortest_dwell(leg, plans[-1], first, progress)
+        else:
+            plans.append(_planned(leg, plans[-1] if plans else None, first, progress))
+    if task.legs[-1].dwell is None:  # what comes next begins with fresh liquids
+        plans[-1] = _dwelling(plans[-1], _until_settled(plans[-1], task.legs[-1]))
+    dwells = [one.scene.motion.hold_after for one in plans]
+    return planned_cycle(with_dwells(task, dwells), plans)
+
+
+def _planned(leg: CycleLeg, before: Plan | None, first: Plan | None, progress: OnProgress | None) -> Plan:
+    """The plan of a leg after another one; `first` is that of the first leg, where this is the last."""
+    try:
+        scene = leg.scene if before is None else with_residual_slosh(leg.scene, before)
+        return plan(scene if first is None else _back_to(first, scene), progress=progress)
+    except (ScenarioError, NoSolutionError) as error:
+        raise type(error)(f'leg "{leg.name}": {error}', error.reason) from error
+
+
+def _back_to(first: Plan, scene: Scene) -> Scene:
+    """The scene of the last leg: any way leads into the joints in which the first one begins."""
+    if scene.source["path"]["type"] != "free":
+        return scene
+    return scene.changed({"path.goal": {"joints": first.trajectory.joint_position[0].tolist()}})
+
+
+def _after_shortest_dwell(leg: CycleLeg, before: Plan, first: Plan | None, progress: OnProgress | None) -> list[Plan]:
+    """The plan before with the shortest dwell that a leg bears, and the plan of the leg."""
+    step = _quarter_period(before.scene)
+    for number in range(_MOST_DWELLS + 1):
+        waiting = _dwelling(before, number * step)
+        try:
+            found = _planned(leg, waiting, first, progress)
+        except NoSolutionError:
+            if number == _MOST_DWELLS or step == 0.0:
+                raise
+            continue
+        if found.certificate.ok or number == _MOST_DWELLS or step == 0.0:
+            return [waiting, found]
+    raise AssertionError("the last dwell is taken or refused")
+
+
+def _quarter_period(scene: Scene) -> float:
+    """Of the slowest liquid, in whole sample periods, s; 0 without liquids."""
+    frequencies = [cargo.filling.modes.slowest.frequency for cargo in scene.cargo if cargo.filling is not None]
+    return math.ceil(math.pi / 2.0 / min(frequencies) * scene.output_rate) / scene.output_rate if frequencies else 0.0
+
+
+def _until_settled(planned: Plan, leg: CycleLeg) -> float:
+    """The dwell after which what stays on the tray is at rest, s."""
+    stays = tuple(item for item in planned.scene.cargo if item.name not in leg.unloaded)
+    return settling_time(replace(planned.scene, cargo=stays), planned.certificate)
+
+
+def _dwelling(planned: Plan, dwell: float) -> Plan:
+    """A plan with another dwell after its motion, judged with it."""
+    scene = planned.scene.changed({"motion.hold_after": dwell})
+    if hold_periods(scene.motion, scene.output_rate) == hold_periods(planned.scene.motion, scene.output_rate):
+        return planned
+    return judged_plan(scene, planned.trajectory, judge(planned.trajectory, scene), planned.report)
