@@ -26,9 +26,14 @@ from nospill.layouts.search import layout as layout
 from nospill.motion.trajectory import Trajectory as Trajectory
 from nospill.motion_files.judging import JudgedMotion as JudgedMotion
 from nospill.motion_files.judging import judge as judge
+from nospill.planning.cycles import plan_cycle as plan_cycle
 from nospill.planning.planner import Planner as Planner
 from nospill.planning.planner import plan as plan
 from nospill.planning.retiming import retime as retime
+from nospill.plans.cycle import CycleCertificate as CycleCertificate
+from nospill.plans.cycle import CyclePlan as CyclePlan
+from nospill.plans.cycle_folder import load_cycle_plan as load_cycle_plan
+from nospill.plans.cycle_judge import judge_cycle as judge_cycle
 from nospill.plans.handover import hand_over as hand_over
 from nospill.plans.loading import load_plan as load_plan
 from nospill.plans.plan import Plan as Plan
@@ -41,12 +46,14 @@ from nospill.scenario import cargo_entries as _cargo
 from nospill.scenario import controller_entry as _controller
 from nospill.scenario import free_path_entry as _free
 from nospill.scenario import initial_state_entry as _initial
+from nospill.scenario import leg_entry as _legs
 from nospill.scenario import model as _model
 from nospill.scenario import place_entry as _places
 from nospill.scenario import robot_entry as _robot
 from nospill.scenario import swing_entry as _swing
 from nospill.scenario import tolerance_entry as _tolerance
 from nospill.scenario import tracking_entry as _tracking
+from nospill.scenario.cycles import load_cycle as load_cycle
 from nospill.scenario.free_path_entry import FreePath as FreePath
 from nospill.scenario.joints_path_entry import JointsPath as JointsPath
 from nospill.scenario.loading import load as load
@@ -62,6 +69,7 @@ from nospill.scenario.path_entries import BsplinePath as BsplinePath
 from nospill.scenario.path_entries import LinePath as LinePath
 from nospill.scenario.path_entries import PresetPath as PresetPath
 from nospill.scenario.path_entries import WaypointsPath as WaypointsPath
+from nospill.scene.cycle import Cycle as Cycle
 from nospill.scene.scene import Scene as Scene
 from nospill.simulation.simulate import simulate_slosh as simulate_slosh
 from nospill.stopping.stops import stops as stops
@@ -88,6 +96,7 @@ Tapered = _cargo.TaperedTable
 TestTube = _cargo.TestTubeTable
 WineGlass = _cargo.WineGlassTable
 Controller = _controller.ControllerTable
+Leg = _legs.LegTable
 Region = _free.RegionTable
 Via = _free.ViaTable
 Motion = _model.MotionTable

@@ -32,8 +32,13 @@ def check(
     Of several, each begins with the swing that the one before it and the wait leave. Nothing is optimised or written.
     """
     from nospill.plans.loading import load_plan
+    from nospill.plans.names import CYCLE_FILE
 
     good, before = True, None
+    if len(folders) == 1 and (folders[0] / CYCLE_FILE).is_file():
+        from nospill.cli.cycles import check_legs
+
+        return check_legs(folders[0], everything=everything)
     for folder in folders:
         saved, fault = load_plan(folder), ""
         if before is not None:

@@ -12,9 +12,11 @@ from nospill.cli.tables import print_table
 
 def examples() -> int:
     """List the bundled examples."""
-    from nospill.scenario.examples import EXAMPLES
+    from nospill.scenario.examples import CYCLES, EXAMPLES
 
-    print_table(("example", "what it shows"), [(name, text) for name, text in EXAMPLES.items()])
+    print_table(("example", "what it shows"), list(EXAMPLES.items()))
+    print()
+    print_table(("cycle", "what it shows"), list(CYCLES.items()))
     return 0
 
 

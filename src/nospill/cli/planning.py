@@ -62,6 +62,15 @@ def plan(
     wait: Annotated[str, typer.Option(metavar="TIME", help="Between that plan and this one.")] = "0 s",
 ) -> int:
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
+    from nospill.scenario.loading import has_legs
+
+    if has_legs(scenario):
+        from nospill.cli.cycles import plan_legs
+
+        given = {"--after": after, "--report": report, "--compare": compare, "--pdf": pdf, "--all-figures": all_figures}
+        refused = [option for option, value in given.items() if value]
+        figures = not no_figures
+        return plan_legs(scenario, output, settings=settings or (), figures=figures, as_json=as_json, refused=refused)
     with only_stderr() if as_json else nullcontext(), ProgressLine(PLANNING_STEPS) as progress:
         from nospill.core.files import require_replaceable
         from nospill.core.units import listed

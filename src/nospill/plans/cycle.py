@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+import json
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from nospill.certification.verdict import Certificate, Row
 from nospill.certification.wording import describe
+from nospill.core.files import atomic_folder
 from nospill.core.units import format_quantity
 from nospill.motion.holds import hold_periods
-from nospill.plans.names import LEGS_FOLDER
+from nospill.plans.names import CERTIFICATE_FILE, CYCLE_FILE, LEGS_FOLDER, SCENARIO_FILE, is_cycle_folder
 from nospill.plans.plan import Plan
 from nospill.plans.row_checks import SAME_JOINTS
 from nospill.plans.settling import settling_time
@@ -34,7 +38,7 @@ class LegTime:
         dwell: s, after it.
         begins: s, on the clock of the cycle.
         share: of the time of the whole cycle, both together.
-        held_back: what holds the motion back, and for how much of its time, in words.
+        held_back: what holds the motion back, and for how much of its time, in words; empty where nothing does.
     """
 
     name: str
@@ -83,7 +87,8 @@ class CycleCertificate:
     def worst(self) -> tuple[str, Row]:
         """The leg and the row that uses most of its limit; a broken one before any other."""
         return max(
-            ((name, certificate.worst) for name, certificate in self.legs), key=lambda item: (not item[1].ok, item[1].use)
+            ((name, certificate.worst) for name, certificate in self.legs),
+            key=lambda item: (not item[1].ok, item[1].use),
         )
 
     @property
@@ -177,7 +182,7 @@ class CyclePlan:
         """Where the cycle loses its time, in one sentence without a full stop."""
         times, whole = self.times, self.duration
         longest = max(times, key=lambda leg: leg.motion)
-        held = f", held back by {longest.held_back}" if longest.held_back else ""
+        held = f": {longest.held_back}" if longest.held_back else ""
         text = f"most time: leg {longest.name}, {longest.motion:.3f} s ({100 * longest.motion / whole:.0f} %){held}"
         stands = sum(leg.dwell for leg in times)
         return f"{text}; dwells {stands:.3f} s ({100 * stands / whole:.0f} %)" if stands else text
@@ -188,6 +193,12 @@ class CyclePlan:
         if self.wait == 0.0:
             return "the cycle ends as it began: what it carries next is fresh or at rest (2 % of its limit)"
         return f"the cycle does not end as it began: its liquids swing on, and rest after {self.wait:.1f} s"
+
+    def with_second_looks(self) -> CyclePlan:
+        """The same with what the full model sees of every leg, and what each survives of its arm."""
+        legs = tuple(one.with_second_looks() for one in self.legs)
+        own = tuple((leg.name, one.certificate) for leg, one in zip(self.cycle.legs, legs, strict=True))
+        return replace(self, legs=legs, certificate=replace(self.certificate, legs=own))
 
     def with_changes(self, changed: Sequence[str]) -> CyclePlan:
         """The plan whose certificate knows what in a folder is not as it was planned."""
@@ -222,6 +233,25 @@ class CyclePlan:
             ],
         }
 
+    def save(self, folder: str | Path, *, extra: Callable[[Plan, Path], None] | None = None) -> None:
+        """Write the folder of the cycle in one piece: a killed run leaves the old folder or none.
+
+        Args:
+            folder: place of the folder; an earlier plan of a cycle there is replaced.
+            extra: writes more files into the folder of a leg while it is being made, for example figures.
+
+        Raises:
+            PlanFolderError: the folder holds something else or cannot be written.
+        """
+        with atomic_folder(folder, replaceable=is_cycle_folder) as partial:
+            (partial / SCENARIO_FILE).write_text(self.cycle.text, encoding="utf-8")
+            for index, (leg, one) in enumerate(zip(self.cycle.legs, self.legs, strict=True)):
+                place = partial / leg_folder(index, leg.name)
+                one.save(place, extra=None if extra is None else functools.partial(extra, one))
+            for name, table in ((CERTIFICATE_FILE, self.certificate.to_dict()), (CYCLE_FILE, self.summary())):
+                text = json.dumps(table, indent=2, allow_nan=False) + "\n"
+                (partial / name).write_text(text, encoding="utf-8")
+
 
 def leg_folder(index: int, name: str) -> str:
     """Folder of a leg in that of its cycle."""
@@ -250,4 +280,5 @@ def planned_cycle(cycle: Cycle, legs: Sequence[Plan]) -> CyclePlan:
 def _spans(plan: Plan) -> tuple[float, float]:
     """Motion and dwell as files hold them, s."""
     record = plan.trajectory
-    return float(record.t[-1] - record.t[0]), hold_periods(plan.scene.motion, record.rate)[1] / record.rate
+    spans = record.t[-1] - record.t[0], hold_periods(plan.scene.motion, record.rate)[1] / record.rate
+    return round(float(spans[0]), 9), round(float(spans[1]), 9)

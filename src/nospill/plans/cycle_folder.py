@@ -1,44 +1,18 @@
-"""The folder of a planned cycle: its scenario, a plan folder for every leg, one certificate, one summary."""
+"""Reading the folder of a planned cycle: its scenario, a plan folder for every leg, certificate and summary."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-from nospill.core.files import atomic_folder, parsed_json
+from nospill.core.files import parsed_json
 from nospill.errors import PlanFolderError
 from nospill.plans.cycle import CyclePlan, leg_folder, planned_cycle
 from nospill.plans.loading import load_plan
-from nospill.plans.names import CERTIFICATE_FILE, CYCLE_FILE, SCENARIO_FILE, is_cycle_folder
-from nospill.plans.plan import Plan
+from nospill.plans.names import CERTIFICATE_FILE, CYCLE_FILE, SCENARIO_FILE
 from nospill.scenario.cycles import load_cycle
 
 _SAME = 1e-6
 """s."""
-
-
-def save_cycle(
-    plan: CyclePlan, folder: str | Path, *, extra: Callable[[Plan, Path], None] | None = None
-) -> None:
-    """Write the folder of a cycle in one piece: a killed run leaves the old folder or none.
-
-    Args:
-        plan: of the cycle.
-        folder: place of the folder; an earlier plan of a cycle there is replaced.
-        extra: writes more files into the folder of a leg while it is being made, for example figures.
-
-    Raises:
-        PlanFolderError: the folder holds something else or cannot be written.
-    """
-    with atomic_folder(folder, replaceable=is_cycle_folder) as partial:
-        (partial / SCENARIO_FILE).write_text(plan.cycle.text, encoding="utf-8")
-        for index, (leg, one) in enumerate(zip(plan.cycle.legs, plan.legs, strict=True)):
-            place = partial / leg_folder(index, leg.name)
-            one.save(place, extra=None if extra is None else lambda inner, one=one: extra(one, inner))
-        _write(partial / CERTIFICATE_FILE, plan.certificate.to_dict())
-        _write(partial / CYCLE_FILE, plan.summary())
 
 
 def load_cycle_plan(folder: str | Path) -> CyclePlan:
@@ -73,7 +47,3 @@ def _changed(plan: CyclePlan, said: list[tuple[str, float, float]]) -> list[str]
         for what, ours, theirs in zip(("motion", "dwell"), one, other, strict=True)
         if abs(ours - theirs) > _SAME
     ]
-
-
-def _write(path: Path, value: Any) -> None:
-    path.write_text(json.dumps(value, indent=2, allow_nan=False) + "\n", encoding="utf-8")

@@ -108,8 +108,16 @@ def cycle_from_table(table: Mapping[str, Any], *, name: str, folder: Path = Path
     began = {item.name for item in made[0].scene.cargo}
     left = [entry["name"] for entry in standing if entry["name"] not in began]
     if left:
-        raise report(label, [("", f"{listed(left, last='and')} would be on the tray when the cycle begins again, and is "
-                              "not when it begins; unload it on the last leg")])
+        raise report(
+            label,
+            [
+                (
+                    "",
+                    f"{listed(left, last='and')} would be on the tray when the cycle begins again, and is "
+                    "not when it begins; unload it on the last leg",
+                )
+            ],
+        )
     return Cycle(own, tuple(made), _text(table, own, legs, made, known))
 
 
@@ -133,7 +141,10 @@ def _leg_tables(table: Mapping[str, Any], label: str) -> list[LegTable]:
         try:
             legs.append(LegTable.model_validate(entry))
         except ValidationError as error:
-            faults = [(place, sentence(item, item["loc"], LegTable, subject=key_path(item["loc"]))) for item in details_of(error)]
+            faults = [
+                (place, sentence(item, item["loc"], LegTable, subject=key_path(item["loc"])))
+                for item in details_of(error)
+            ]
             raise report(label, faults) from None
         if legs[-1].name in [leg.name for leg in legs[:-1]]:
             raise report(label, [(f"leg {index + 1}", f"name {as_written(legs[-1].name)} is already taken")])

@@ -98,7 +98,7 @@ def read_scenario(path: str | os.PathLike[str], *, settings: Sequence[str] = ())
 
 def has_legs(scenario: ScenarioSource) -> bool:
     """Whether a scenario is a cycle: it has `[[leg]]` tables; raises as `load` where it cannot be read."""
-    return "leg" in table_of(scenario).table
+    return bool(table_of(scenario).table.get("leg"))
 
 
 def _require_text_keys(value: Any) -> None:

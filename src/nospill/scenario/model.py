@@ -14,6 +14,7 @@ from nospill.scenario.cargo_entries import CargoEntry, CargoTable
 from nospill.scenario.controller_entry import ControllerTable
 from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Vector
 from nospill.scenario.initial_state_entry import InitialStateTable
+from nospill.scenario.leg_entry import MOST_LEGS, LegTable
 from nospill.scenario.obstacle_entries import MOST_OBSTACLES, ObstacleEntry, ObstacleTable
 from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
@@ -259,3 +260,7 @@ class Scenario(Table):
     ] = None
     planning: Annotated[PlanningTable, Field(description="the table [planning]")] = PlanningTable()
     output: Annotated[OutputTable, Field(description="the table [output]")] = OutputTable()
+    leg: Annotated[
+        Given[list[LegTable], Sequence[LegTable]],
+        Field(max_length=MOST_LEGS, description="the motions of a cycle in the place of [path], one [[leg]] each"),
+    ] = default([])

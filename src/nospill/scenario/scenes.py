@@ -21,6 +21,11 @@ from nospill.scenario.settings import present, with_places
 from nospill.scenario.tables import plain
 from nospill.scene.scene import Scene
 
+_A_CYCLE = (
+    "has [[leg]] tables: it is a cycle, for nospill plan, nospill check and ns.load_cycle; elsewhere name the folder "
+    "of one of its legs once it is planned"
+)
+
 
 def scene_from_table(
     table: Mapping[str, Any], *, name: str, folder: str | os.PathLike[str] = ".", label: str | None = None
@@ -38,17 +43,16 @@ def scene_from_table(
     """
     label = name if label is None else label
     if table.get("leg"):
-        raise report(
-            label,
-            [("", "has [[leg]] tables: it is a cycle, for nospill plan, nospill check and ns.load_cycle; elsewhere "
-              "name the plan folder of one of its legs")],
-        )
+        raise report(label, [("", _A_CYCLE)])
     return read_scene(table, label=label, name=name, folder=Path(folder), origin=StandaloneScenario)
 
 
 def scenario_schema() -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of a scenario file."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Scenario.model_json_schema()}
+    """JSON schema (draft 2020-12) of a scenario file: of a motion, which has a path, or of a cycle, which has legs."""
+    schema = Scenario.model_json_schema()
+    schema["required"] = [key for key in schema["required"] if key != "path"]
+    either = [{"required": ["path"]}, {"required": ["leg"]}]
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "anyOf": either}
 
 
 @dataclass(frozen=True, slots=True)
