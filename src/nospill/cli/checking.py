@@ -38,7 +38,7 @@ def check(
     if len(folders) == 1 and (folders[0] / CYCLE_FILE).is_file():
         from nospill.cli.cycles import check_legs
 
-        return check_legs(folders[0], everything=everything)
+        return check_legs(folders[0], printed=print_certificate if everything else None)
     for folder in folders:
         saved, fault = load_plan(folder), ""
         if before is not None:

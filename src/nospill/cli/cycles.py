@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -59,9 +59,11 @@ def plan_legs(
     return 0 if found.certificate.ok else 1
 
 
-def check_legs(folder: Path, *, everything: bool) -> int:
-    """`nospill check` of the folder of a cycle: every leg, dwell and seam, and the controller files of the legs."""
-    from nospill.cli.checking import print_certificate
+def check_legs(folder: Path, *, printed: Callable[..., None] | None) -> int:
+    """`nospill check` of the folder of a cycle: every leg, dwell and seam, and the controller files of the legs.
+
+    `printed` prints the whole certificate of a leg, where that is asked for.
+    """
     from nospill.export.plan_files import compare_plan_files
     from nospill.plans.cycle import leg_folder
     from nospill.plans.cycle_folder import load_cycle_plan
@@ -71,9 +73,9 @@ def check_legs(folder: Path, *, everything: bool) -> int:
     changed = list(judged.certificate.changed)
     for index, (leg, one) in enumerate(zip(judged.cycle.legs, judged.legs, strict=True)):
         place = folder / leg_folder(index, leg.name)
-        if everything:
+        if printed is not None:
             print_lines(f"leg {leg.name}:")
-            print_certificate(one.certificate, one.scene, everything=True)
+            printed(one.certificate, one.scene, everything=True)
         compared = compare_plan_files(one.trajectory, one.scene, place)
         changed += [f"{place / name} {difference}" for name, difference in compared.items() if difference]
     judged = judged.with_changes(changed)
