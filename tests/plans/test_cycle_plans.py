@@ -18,6 +18,7 @@ from nospill.errors import PlanFolderError, ScenarioError
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.holds import held_trajectory
 from nospill.plans.cycle import leg_folder
+from nospill.plans.handover import exporter_named
 from tests.cycles import small_plan, there_and_back
 
 pytestmark = pytest.mark.slow
@@ -122,7 +123,7 @@ def test_a_leg_that_begins_in_other_joints_is_caught(copied: Path) -> None:
 def test_commands_about_one_motion_name_the_folder_of_a_leg(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(PlanFolderError, match=r"holds a cycle, and one motion is meant here: .*legs/1-out"):
         ns.load_plan(folder)
-    for command in ("report", "stops", "margins"):
+    for command in ("report", "stops"):
         result = CliRunner().invoke(app, [command, str(folder)])
         assert result.exit_code == 2, result.output
     result = CliRunner().invoke(app, ["plan", "matrix-cycle", "--compare"])
@@ -135,3 +136,24 @@ def test_the_shortest_dwell_is_none_where_the_next_leg_bears_it() -> None:
     assert plan.times[0].dwell == 0.0
     assert plan.wait == 0.0  # the last dwell lasts until the cup that stays is at rest
     assert "dwell = 0.0" in plan.cycle.text
+
+
+@pytest.mark.parametrize(("name", "suffix"), [("csv", ".csv"), ("joint-trajectory", ".yaml")])
+def test_one_file_holds_the_whole_cycle_and_each_leg_is_judged_in_it(folder: Path, name: str, suffix: str) -> None:
+    file = folder.with_name(f"whole{suffix}")
+    result = CliRunner().invoke(app, ["export", str(folder), "--format", name, "-o", str(file)])
+    assert result.exit_code == 0, result.output
+    plan = small_plan()
+    samples = exporter_named(name).read(file, plan.legs[0].scene)
+    assert samples.t[-1] == pytest.approx(plan.duration, abs=1e-6)
+    begins = plan.times[1].begins
+    at_seam = samples.position[round(begins * samples.rate)]
+    np.testing.assert_allclose(at_seam, plan.legs[1].trajectory.joint_position[0], atol=1e-6)
+    assert result.stdout.count("certified as published: all") == 2
+
+
+def test_a_program_that_states_one_payload_is_refused_for_a_load_that_changes(folder: Path) -> None:
+    result = CliRunner().invoke(app, ["export", str(folder), "--format", "urscript"])
+    assert result.exit_code == 2 and "states one payload for the file" in result.stderr
+    result = CliRunner().invoke(app, ["export", str(folder), "--format", "csv", "--points", "50"])
+    assert result.exit_code == 2 and "without --points" in result.stderr

@@ -13,6 +13,7 @@ from nospill.cli.tables import print_lines, print_table, print_verdict, say
 from nospill.errors import NoSolutionError, ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
+    from nospill.export import Exporter
     from nospill.plans.cycle import CyclePlan
     from nospill.plans.plan import Plan
 
@@ -86,6 +87,33 @@ def check_legs(folder: Path, *, printed: Callable[..., None] | None) -> int:
         say(one_line(judged.message))
     _print_verdict(judged)
     return 0 if judged.certificate.ok else 1
+
+
+def export_legs(folder: Path, exporter: Exporter, target: Path, *, rate: float | None) -> int:
+    """`nospill export` of the folder of a cycle: one file for all legs and dwells."""
+    from nospill.certification.wording import finding, verdict_line
+    from nospill.export.payload import payload_of
+    from nospill.plans.cycle_folder import load_cycle_plan
+    from nospill.plans.cycle_handover import hand_over_cycle
+
+    plan = load_cycle_plan(folder)
+    done = hand_over_cycle(plan, exporter, target, rate=rate)
+    print_lines(
+        f"written to {done.path}: {done.samples} samples at {done.rate:.6g} Hz ({exporter.name}), the whole cycle",
+        f"played by {exporter.receiver}",
+        f"read back: joints within {done.joint_deviation:.2g} rad of the plan at all times",
+    )
+    for leg, one, (name, certificate) in zip(plan.times, plan.legs, done.certificates, strict=True):
+        print_lines(f"leg {name} from {leg.begins:.3f} s: {verdict_line(certificate)}; {payload_of(one.scene).words()}")
+    caution = exporter.caution(plan.legs[0].scene, round(done.rate, 3))
+    if caution is not None:
+        say(f"{done.path}: {caution}.")
+    for name, certificate in done.certificates:
+        if not certificate.ok:
+            say(f'{done.path} is not certified as {exporter.name}: leg "{name}": {finding(certificate)}.')
+    good = done.ok and plan.certificate.holds_together
+    print_verdict(f"{'certified' if good else 'not certified'}: {len(done.certificates)} legs in one file", good)
+    return 0 if good else 1
 
 
 def _print(found: CyclePlan) -> None:

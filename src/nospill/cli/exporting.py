@@ -87,6 +87,7 @@ def export(
     from nospill.export.payload import payload_of
     from nospill.plans.handover import exporter_named, hand_over, with_options
     from nospill.plans.loading import load_plan
+    from nospill.plans.names import CYCLE_FILE
 
     options = {
         "frame": frame,
@@ -99,6 +100,12 @@ def export(
         "lead": lead,
     }
     exporter = with_options(exporter_named(format_name), options)
+    if (folder / CYCLE_FILE).is_file():
+        from nospill.cli.cycles import export_legs
+
+        if points is not None or with_approach:
+            raise ScenarioError(f"{folder}: a cycle is exported without --points and --with-approach, or leg by leg")
+        return export_legs(folder, exporter, _target(folder, output, exporter), rate=rate)
     plan = load_plan(folder)
     target = _target(folder, output, exporter)
     if with_approach and plan.approach is None:

@@ -34,6 +34,7 @@ class Exporter:
         caution: the sentence about receivers that play a file of this scene at this rate in Hz otherwise, or None.
         usual_rate: Hz, at which it is written where no rate is asked for; None for the plan's.
         uneven: whether its receiver takes points that are not evenly spaced.
+        one_payload: whether a file states the load on the flange, once for all of it.
         options: names of what can be chosen about the format, as the command line has them.
         with_options: (those of them that are chosen) -> the format; raises ScenarioError for a value that is none.
     """
@@ -50,6 +51,7 @@ class Exporter:
     caution: Callable[[Scene, float], str | None] = lambda scene, rate: None
     usual_rate: float | None = None
     uneven: bool = False
+    one_payload: bool = False
     options: tuple[str, ...] = ()
     with_options: Callable[..., Exporter] | None = None
 

@@ -224,6 +224,7 @@ def urscript_exporter(form: str = SOCKET, gain: float = GAIN, lookahead: float =
         write=lambda samples, scene, path: _write(samples, scene, path, settings),
         read=_read,
         caution=_caution,
+        one_payload=True,
         options=("form", "gain", "lookahead"),
         with_options=urscript_exporter,
     )
