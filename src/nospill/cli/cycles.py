@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from pathlib import Path
@@ -48,7 +49,8 @@ def plan_legs(
 
         if output is not None:
             progress.say(FILES)
-            found.save(output, extra=draw if figures else None)
+            whole = functools.partial(_draw_whole, found) if figures else None
+            found.save(output, extra=draw if figures else None, figures=whole)
     if as_json:
         print_json(found.summary())
     else:
@@ -58,6 +60,12 @@ def plan_legs(
     if not found.certificate.ok:
         say(one_line(found.message))
     return 0 if found.certificate.ok else 1
+
+
+def _draw_whole(found: CyclePlan, folder: Path) -> None:
+    from nospill.plots.cycle import save_cycle_figure
+
+    save_cycle_figure(found, folder / "cycle.png")
 
 
 def check_legs(folder: Path, *, printed: Callable[..., None] | None) -> int:

@@ -17,7 +17,14 @@ from nospill.certification.wording import describe
 from nospill.core.files import atomic_folder
 from nospill.core.units import format_quantity
 from nospill.motion.holds import hold_periods
-from nospill.plans.names import CERTIFICATE_FILE, CYCLE_FILE, LEGS_FOLDER, SCENARIO_FILE, is_cycle_folder
+from nospill.plans.names import (
+    CERTIFICATE_FILE,
+    CYCLE_FILE,
+    FIGURES_FOLDER,
+    LEGS_FOLDER,
+    SCENARIO_FILE,
+    is_cycle_folder,
+)
 from nospill.plans.plan import Plan
 from nospill.plans.row_checks import SAME_JOINTS
 from nospill.plans.settling import settling_time
@@ -137,7 +144,7 @@ class CyclePlan:
     @property
     def duration(self) -> float:
         """Of the whole cycle, dwells included, s."""
-        return sum(leg.motion + leg.dwell for leg in self.times)
+        return round(sum(leg.motion + leg.dwell for leg in self.times), 9)
 
     @property
     def times(self) -> tuple[LegTime, ...]:
@@ -233,12 +240,19 @@ class CyclePlan:
             ],
         }
 
-    def save(self, folder: str | Path, *, extra: Callable[[Plan, Path], None] | None = None) -> None:
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        extra: Callable[[Plan, Path], None] | None = None,
+        figures: Callable[[Path], None] | None = None,
+    ) -> None:
         """Write the folder of the cycle in one piece: a killed run leaves the old folder or none.
 
         Args:
             folder: place of the folder; an earlier plan of a cycle there is replaced.
             extra: writes more files into the folder of a leg while it is being made, for example figures.
+            figures: writes figures of the whole cycle into a folder that is there.
 
         Raises:
             PlanFolderError: the folder holds something else or cannot be written.
@@ -248,6 +262,9 @@ class CyclePlan:
             for index, (leg, one) in enumerate(zip(self.cycle.legs, self.legs, strict=True)):
                 place = partial / leg_folder(index, leg.name)
                 one.save(place, extra=None if extra is None else functools.partial(extra, one))
+            if figures is not None:
+                (partial / FIGURES_FOLDER).mkdir()
+                figures(partial / FIGURES_FOLDER)
             for name, table in ((CERTIFICATE_FILE, self.certificate.to_dict()), (CYCLE_FILE, self.summary())):
                 text = json.dumps(table, indent=2, allow_nan=False) + "\n"
                 (partial / name).write_text(text, encoding="utf-8")
