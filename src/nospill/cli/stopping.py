@@ -20,6 +20,10 @@ _ROWS = 12
 def stops(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
     every: Annotated[str, typer.Option(metavar="TIME", help="Time between the instants.")] = "20 ms",
+    residual: Annotated[
+        str,
+        typer.Option(metavar="RATIO", help="How high liquids may swing on after a stop, over max_slosh_height."),
+    ] = "100 %",
     deceleration: Annotated[
         str | None,
         typer.Option(
@@ -34,7 +38,8 @@ def stops(
 ) -> int:
     """Find the fastest spill-free stop from every instant of a plan, and say what the controller's own stop does.
 
-    A stop is a certified motion to rest along what is left of the path; the rest of the plan always is one. Writes
+    A stop is a certified motion to rest along what is left of the path, after which the liquids may swing on below
+    their limits; the rest of the plan always is one. Writes
     stops.json, stops.png and the samples of every stop into the plan folder. This is no safety function.
     """
     with ProgressLine(PLANNING_STEPS) as progress:
@@ -51,6 +56,7 @@ def stops(
         found = find_stops(
             plan,
             every=times[0],
+            residual=quantity(residual, "ratio"),
             deceleration=braking,
             slowing=times[1],
         )

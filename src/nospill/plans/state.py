@@ -72,7 +72,8 @@ def beginning_in(scene: Scene, state: MotionState, *, stop: bool = False) -> Sce
     Args:
         scene: of the motion. Objects that the state does not know have liquids at rest.
         state: of a plan on the same path, with the same objects.
-        stop: whether the motion may come to rest anywhere on the path.
+        stop: whether the motion may come to rest anywhere on the path; weights of smoothness, which would hold it back,
+            are left out then.
 
     Raises:
         ScenarioError: the joints are off the path, a liquid stands above its limit, or the scene states what does not
@@ -83,8 +84,8 @@ def beginning_in(scene: Scene, state: MotionState, *, stop: bool = False) -> Sce
         f"cargo.{name}.initial_swing": swing_table(swing) for name, swing in state.swings.items() if name in known
     }
     arm = {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(state.arm).items()}
-    rest = {"motion.stop": True} if stop else {}
-    return scene.changed({"initial_state": arm, **swings, **rest})
+    rest = dict.fromkeys(("planning.path_jerk_weight", "planning.tilt_jerk_weight")) | {"motion.stop": True}
+    return scene.changed({"initial_state": arm, **swings, **(rest if stop else {})})
 
 
 def require_known_state(scene: Scene) -> None:

@@ -94,6 +94,7 @@ class Stops:
         controller: the controller's own stops from the same instants.
         deceleration: (n,) rad/s^2, with which each joint brakes there.
         slowing: s, in which time is scaled to zero there.
+        residual: how high liquids may swing on after a stop, over max_slosh_height.
     """
 
     plan: str
@@ -102,6 +103,7 @@ class Stops:
     controller: tuple[ControllerStop, ...]
     deceleration: tuple[float, ...]
     slowing: float
+    residual: float
 
     @property
     def solved(self) -> float:
@@ -123,6 +125,7 @@ class Stops:
             "median_of_rest": self.part_left,
             "deceleration_rad_s2": list(self.deceleration),
             "slowing_s": self.slowing,
+            "residual_fraction": self.residual,
             "stops": [
                 {
                     "t_s": stop.t,

@@ -3,12 +3,16 @@
 Each is solved on a coarse grid from the one before it, 20 ms earlier; its exported samples are judged as any motion. A
 row that the judge rejects gets more back-off, as much as it was over, a few times over. From afar a stop is looked for
 from smooth motions to rest of several durations: liquids have an optimum in each of their swings.
+
+A stop is in a hurry: weights that a scenario states for the smoothness of its motion are left out, under which stops of
+`matrix-liquid` took half as long again. Its liquids need not be calm, they may swing on below `max_slosh_height`; so
+what they do to their cups is judged for a while after the end too.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -46,6 +50,8 @@ _MOST_BACKOFF = 0.9
 _OF_SUM = 0.3
 """First back-off of a residual height of several modes: the judge sums them, the optimiser adds their squares."""
 _WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 40, 120, 6.0
+_SWINGS_ON = 1.0
+"""s after the end, over which every limit is judged: three swings of a liquid of 35 mm, and the highest are first."""
 _LEVEL = 1e-4
 """rad; of the tray at rest, about which what swings on is bounded: no row of a certificate looks at it."""
 _SOONER = 0.99
@@ -62,7 +68,13 @@ class Found:
 
 
 def stop_from(
-    plan: Plan, state: MotionState, joint_path: JointPath, before: Found | None, *, afresh: bool = False
+    plan: Plan,
+    state: MotionState,
+    joint_path: JointPath,
+    before: Found | None,
+    *,
+    residual: float = 1.0,
+    afresh: bool = False,
 ) -> tuple[Stop, Found | None]:
     """The fastest certified stop that was found from a state; what is left of the plan where none is sooner.
 
@@ -71,13 +83,14 @@ def stop_from(
         state: of the plan.
         joint_path: the arm's way along the path.
         before: the stop from the instant before, from which this one is solved first.
+        residual: how high liquids may swing on, over max_slosh_height.
         afresh: whether one is looked for from afar too, and the faster taken.
 
     Returns:
         The stop; and what the next one is solved from, None where nothing was solved.
     """
     began, left = time.perf_counter(), plan.duration - state.t
-    scene = stopping_scene(plan.scene, state)
+    scene = stopping_scene(plan.scene, state, residual)
     found = None if before is None else _certified(scene, state, before.solution.stages, before, left)
     if found is None or afresh:
         others = (_certified(scene, state, start, None, left) for start in _from_afar(scene, state, joint_path, left))
@@ -92,8 +105,8 @@ def stop_from(
     return replace(found.stop, seconds=seconds), found
 
 
-def stopping_scene(scene: Scene, state: MotionState) -> Scene:
-    """The scene of a stop from a state, for the functions that compute with it."""
+def stopping_scene(scene: Scene, state: MotionState, residual: float = 1.0) -> Scene:
+    """The scene of a stop from a state, after which liquids may swing on to a part of their limits: to compute with."""
     cargo = tuple(
         item
         if item.filling is None
@@ -104,7 +117,16 @@ def stopping_scene(scene: Scene, state: MotionState) -> Scene:
         scene,
         cargo=cargo,
         initial_state=state.arm,
-        motion=replace(scene.motion, stop=True, duration=None, end="residual"),
+        motion=replace(
+            scene.motion,
+            stop=True,
+            duration=None,
+            end="residual",
+            residual_fraction=residual,
+            hold_before=0.0,
+            hold_after=0.0,
+        ),
+        planning=replace(scene.planning, path_jerk_weight=None, tilt_jerk_weight=None),
     )
 
 
@@ -147,7 +169,9 @@ def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | 
         if judged is None:
             return None
         record, judgement = judged
-        if judgement.certificate.ok and np.max(np.abs(record.tilt[-1])) <= _LEVEL:
+        certified = judgement.certificate.ok
+        over = _over_after(active, scene, record) if certified else _over(active, judgement)
+        if certified and not over and np.max(np.abs(record.tilt[-1])) <= _LEVEL:
             stop = Stop(
                 t=state.t,
                 duration=record.end_time,
@@ -159,7 +183,7 @@ def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | 
                 seconds=0.0,
             )
             return Found(stop, solution, dict(active.backoff))
-        tightened = _tightened(active, judgement)
+        tightened = _tightened(active, over)
         if tightened is active:
             return None
         active, start, warm = tightened, solution.stages, solution
@@ -176,20 +200,41 @@ def _judged(model: Scene, scene: Scene, stages: Stages) -> tuple[Trajectory, Jud
     return replace(record, slosh=judged_tracks(record, scene, judgement.replay, judgement.traces)), judgement
 
 
-def _tightened(active: ActiveSet, judgement: Judgement) -> ActiveSet:
-    """The set with more back-off of the rows that the judge rejects; itself where none of them is in the problem."""
-    backoff, changed = dict(active.backoff), False
-    names = active.names
-    labels: dict[str, list[str]] = {}
-    for (name, _), label in names.items():
-        labels.setdefault(name, []).append(label)
-    for row in judgement.certificate.rows:
-        if row.ok or row.constraint not in BY_NAME:
-            continue
-        for label in labels.get(row.subject, [row.subject]):
-            key = RowId(row.constraint, label)
-            if key in backoff:
-                more = 1.0 - (1.0 - backoff[key]) / row.use + _MORE
-                backoff[key] = min(max(backoff[key] + _MORE, more), _MOST_BACKOFF)
-                changed = True
-    return replace(active, backoff=backoff) if changed else active
+def _over(active: ActiveSet, judgement: Judgement) -> dict[RowId, float]:
+    """Use of the limits that a stop breaks, by the rows of the problem; the limits of the arm's record have none."""
+    return {
+        RowId(row.constraint, label): row.use
+        for row in judgement.certificate.rows
+        if not row.ok and row.constraint in BY_NAME
+        for label in _labels(active, row.subject)
+    }
+
+
+def _over_after(active: ActiveSet, scene: Scene, record: Trajectory) -> dict[RowId, float]:
+    """Use of the limits that break while liquids swing on after a stop, by the rows on how far these do."""
+    known = {row.subject for row in active.possible if row.constraint == ResidualHeight.name}
+    if not known:
+        return {}
+    swinging = replace(scene, motion=replace(scene.motion, hold_after=_SWINGS_ON))
+    over: dict[RowId, float] = {}
+    for row in judge_motion(record, swinging).certificate.rows:
+        if not row.ok:
+            # a rack feels the liquids of all its vials
+            for label in known.intersection(_labels(active, row.subject)) or known:
+                key = RowId(ResidualHeight.name, label)
+                over[key] = max(row.use, over.get(key, 0.0))
+    return over
+
+
+def _labels(active: ActiveSet, subject: str) -> list[str]:
+    """What a subject of the certificate is called in the problem, each of its variants."""
+    return [label for (name, _), label in active.names.items() if name == subject] or [subject]
+
+
+def _tightened(active: ActiveSet, over: Mapping[RowId, float]) -> ActiveSet:
+    """The set with more back-off of rows by the use of their limits; itself where none of them is in the problem."""
+    backoff = dict(active.backoff)
+    for key in over.keys() & backoff.keys():
+        more = 1.0 - (1.0 - backoff[key]) / over[key] + _MORE
+        backoff[key] = min(max(backoff[key] + _MORE, more), _MOST_BACKOFF)
+    return active if backoff == active.backoff else replace(active, backoff=backoff)

@@ -42,18 +42,20 @@ def stops(
     plan: Plan,
     *,
     every: float = EVERY,
+    residual: float = 1.0,
     deceleration: ArrayLike | None = None,
     slowing: float = SLOWING,
     progress: OnStop | None = None,
 ) -> Stops:
     """Find the fastest certified motion to rest from every instant of a plan, along what is left of its path.
 
-    Each spills, slides and tips nothing, and keeps the limits on what swings on. What is left of the plan is always
-    one, so that there is one from every instant. This is a motion, and no safety function.
+    Each spills, slides and tips nothing, also while its liquids swing on after the end, which they may. What is left of
+    the plan is always one, so that there is one from every instant. This is a motion, and no safety function.
 
     Args:
         plan: certified.
         every: s, between the instants.
+        residual: how high liquids may swing on after a stop, over max_slosh_height; 0.2 is a calm one.
         deceleration: rad/s^2, one or (n,), with which the controller brakes each joint; when left out the limits of
             the arm's accelerations, or what stops a joint from its full speed in 0.25 s.
         slowing: s, in which the controller scales time to zero along the path.
@@ -68,6 +70,8 @@ def stops(
     for name, value in (("every", every), ("slowing", slowing)):
         if not 1e-3 <= value <= 60.0:
             raise ScenarioError(f"{name} = {value:g} s: a time of 0.001 to 60 s is needed")
+    if not 0.0 < residual <= 1.0:
+        raise ScenarioError(f"residual = {residual:g}: a part of max_slosh_height is needed, above 0 and up to 1")
     _require_stoppable(plan)
     instants = np.arange(every, plan.duration - _SHORTEST_LEFT, every)
     if not len(instants):
@@ -78,12 +82,14 @@ def stops(
     own: list[Stop] = []
     controller = []
     for number, state in enumerate(states, start=1):
-        stop, found = stop_from(plan, state, joint_path, found, afresh=number % _AFRESH == 0)
+        stop, found = stop_from(plan, state, joint_path, found, residual=residual, afresh=number % _AFRESH == 0)
         own.append(stop)
         controller += [braked(plan, state.t, brake), slowed_to_rest(plan, state.t, slowing)]
         if progress is not None:
             progress(number, len(states))
-    return Stops(plan.scene.name, plan.duration, tuple(own), tuple(controller), tuple(brake.tolist()), slowing)
+    return Stops(
+        plan.scene.name, plan.duration, tuple(own), tuple(controller), tuple(brake.tolist()), slowing, residual
+    )
 
 
 def write_stops(found: Stops, plan: Plan, folder: str | Path) -> None:
