@@ -38,6 +38,7 @@ def found(plan: Plan) -> Stops:
 def test_there_is_a_stop_from_every_instant_and_none_is_longer_than_the_rest(plan: Plan, found: Stops) -> None:
     assert [stop.t for stop in found.stops] == pytest.approx([EVERY, 2 * EVERY, 3 * EVERY])
     for stop in found.stops:
+        assert 0.0 < stop.bound.duration <= stop.duration
         assert stop.duration <= stop.left == pytest.approx(plan.duration - stop.t)
         assert plan.trajectory.s[round(stop.t * plan.trajectory.rate)] <= stop.end <= 1.0
     assert found.solved >= 0.5 and found.part_left < 0.6

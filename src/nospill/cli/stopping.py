@@ -71,14 +71,19 @@ def _print(found: Stops) -> None:
     own = {(item.t, item.kind): item.text for item in found.controller}
     chosen = found.stops[:: -(-len(found.stops) // _ROWS)]
     print_table(
-        ("at [s]", "stop [s]", "rest [s]", "joints braked", "time scaled to zero"),
-        [(stop.t, stop.duration, stop.left, own[stop.t, "joints"], own[stop.t, "path"]) for stop in chosen],
+        ("at [s]", "stop [s]", "bound [s]", "rest [s]", "joints braked", "time scaled to zero"),
+        [
+            (stop.t, stop.duration, stop.bound.duration, stop.left, own[stop.t, "joints"], own[stop.t, "path"])
+            for stop in chosen
+        ],
+        drop=("bound [s]",),
     )
     for kind, name in (("joints", "each joint braked by itself"), ("path", "time scaled to zero along the path")):
         verdicts = [item.certified for item in found.controller if item.kind == kind]
         print_lines(f"{name}: {sum(verdicts)} of {len(verdicts)} stops keep every limit")
     print_lines(
         f"spill-free stops sooner than the rest of the plan: {100 * found.solved:.0f} % of the instants; from one to "
-        f"two thirds of the motion they take {100 * found.part_left:.0f} % of it (median).",
+        f"two thirds of the motion they take {100 * found.part_left:.0f} % of it (median), "
+        f"{found.over_bound:.2g} times the bound below which no motion stops.",
         "They are motions, and no safety function.",
     )

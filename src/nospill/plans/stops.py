@@ -19,7 +19,18 @@ _VERBS = {Lift.name: "lifts", Slip.name: "slides", Tip.name: "tips", Twist.name:
 _FEW = 2
 """Objects that are named; more are counted."""
 
-Origin = Literal["solved", "rest of the plan"]
+Origin = Literal["solved", "later", "rest of the plan"]
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """A time, s, in which no motion from a state comes to rest, and what sets it."""
+
+    duration: float
+    by: str
+
+
+NO_BOUND = Bound(0.0, "nothing")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +42,12 @@ class Stop:
         duration: s, until the arm stands.
         left: s, what is left of the plan.
         end: path parameter at which the tray comes to rest.
-        origin: whether it was solved, or is what is left of the plan, which is always one.
+        origin: whether it was solved, or the plan goes on to a later instant and that one's stop follows, or it is what
+            is left of the plan, which is always one.
         nearest: the row of its certificate that is nearest to its limit, in words.
         trajectory: its samples, on a clock that begins with it.
         seconds: what finding and judging it took, s.
+        bound: in what time no motion from there comes to rest.
     """
 
     t: float
@@ -45,6 +58,12 @@ class Stop:
     nearest: str
     trajectory: Trajectory = field(repr=False)
     seconds: float
+    bound: Bound
+
+    @property
+    def is_sooner(self) -> bool:
+        """Whether it is sooner than what is left of the plan."""
+        return self.origin != "rest of the plan"
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,13 +127,28 @@ class Stops:
     @property
     def solved(self) -> float:
         """Part of the instants at which a stop sooner than the rest of the plan was found."""
-        return float(np.mean([stop.origin == "solved" for stop in self.stops]))
+        return float(np.mean([stop.is_sooner for stop in self.stops]))
 
     @property
     def part_left(self) -> float:
         """Median of stopping time over what is left of the plan, from one to two thirds of the motion."""
-        middle = [stop for stop in self.stops if 1 / 3 <= stop.t / self.duration <= 2 / 3]
-        return float(np.median([stop.duration / stop.left for stop in middle or self.stops]))
+        return float(np.median([stop.duration / stop.left for stop in self._middle]))
+
+    @property
+    def bound_of_left(self) -> float:
+        """The same of the bound on stopping times: no stops have a smaller part."""
+        return float(np.median([stop.bound.duration / stop.left for stop in self._middle]))
+
+    @property
+    def over_bound(self) -> float:
+        """Median there of stopping time over its bound."""
+        return float(np.median([stop.duration / max(stop.bound.duration, 1e-9) for stop in self._middle]))
+
+    @property
+    def _middle(self) -> tuple[Stop, ...]:
+        """The stops from one to two thirds of the motion; all of them where none is."""
+        middle = tuple(stop for stop in self.stops if 1 / 3 <= stop.t / self.duration <= 2 / 3)
+        return middle or self.stops
 
     def to_dict(self) -> dict[str, Any]:
         """As stops.json has it."""
@@ -123,6 +157,7 @@ class Stops:
             "duration_s": self.duration,
             "solved": self.solved,
             "median_of_rest": self.part_left,
+            "median_bound_of_rest": self.bound_of_left,
             "deceleration_rad_s2": list(self.deceleration),
             "slowing_s": self.slowing,
             "residual_fraction": self.residual,
@@ -132,9 +167,11 @@ class Stops:
                     "stops_in_s": stop.duration,
                     "left_s": stop.left,
                     "s_end": stop.end,
+                    "bound_s": stop.bound.duration,
+                    "bound_by": stop.bound.by,
                     "origin": stop.origin,
                     "nearest": stop.nearest,
-                    "file": None if stop.origin != "solved" else file_of(stop),
+                    "file": file_of(stop) if stop.is_sooner else None,
                 }
                 for stop in self.stops
             ],

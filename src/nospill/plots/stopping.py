@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from nospill.plans.stops import Stops
 from nospill.plots.comparison import save_figure
-from nospill.plots.style import BLACK, BLUE, ORANGE, RED, WIDTH
+from nospill.plots.style import BLACK, BLUE, GREY, ORANGE, RED, WIDTH
 
 _MOST = 10.0
 """Of a limit, in the picture; a liquid that leaves its cup is there."""
@@ -33,6 +33,8 @@ def stops_figure(found: Stops) -> Figure:
         t, [stop.left for stop in found.stops], color=BLACK, linewidth=0.8, linestyle=":", label="rest of the plan"
     )
     above.plot(t, [stop.duration for stop in found.stops], color=BLUE, label="spill-free stop")
+    bounds = [stop.bound.duration for stop in found.stops]
+    above.plot(t, bounds, color=GREY, linewidth=0.8, label="no motion stops sooner")
     for kind, colour, name in (("joints", ORANGE, "each joint braked"), ("path", RED, "time scaled to zero")):
         own = [item for item in found.controller if item.kind == kind]
         times = [item.t for item in own]

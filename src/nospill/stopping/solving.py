@@ -30,10 +30,12 @@ from nospill.planning.candidate import problem_about
 from nospill.planning.task import Task
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState
-from nospill.plans.stops import Stop
+from nospill.plans.stops import NO_BOUND, Stop
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
+from nospill.stopping.bounds import bound_of
 from nospill.transcription.export_samples import export_samples
+from nospill.transcription.margins_along import Margin
 from nospill.transcription.solvers import solve
 from nospill.transcription.solvers.options import LOOSE, SolveOptions
 from nospill.transcription.solvers.solution import Solution
@@ -50,6 +52,8 @@ _MOST_BACKOFF = 0.9
 _OF_SUM = 0.3
 """First back-off of a residual height of several modes: the judge sums them, the optimiser adds their squares."""
 _WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 40, 120, 6.0
+_EARLY, _AT_START = 0.12, np.array([1.0, 1.0, 0.0])
+"""Part of a stop up to which a row that breaks is tightened there alone, and how that fades."""
 _SWINGS_ON = 1.0
 """s after the end, over which every limit is judged: three swings of a liquid of 35 mm, and the highest are first."""
 _LEVEL = 1e-4
@@ -98,11 +102,12 @@ def stop_from(
         if found is None or (other is not None and other.stop.duration < found.stop.duration):
             found = other
     seconds = time.perf_counter() - began
+    bound = bound_of(scene, state)
     if found is None or found.stop.duration > _SOONER * left:
         rest = state.rest
         nearest = describe(plan.certificate.worst)
-        return Stop(state.t, left, left, float(rest.s[-1]), "rest of the plan", nearest, rest, seconds), found
-    return replace(found.stop, seconds=seconds), found
+        return Stop(state.t, left, left, float(rest.s[-1]), "rest of the plan", nearest, rest, seconds, bound), found
+    return replace(found.stop, seconds=seconds, bound=bound), found
 
 
 def stopping_scene(scene: Scene, state: MotionState, residual: float = 1.0) -> Scene:
@@ -165,7 +170,7 @@ def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | 
         solution = solve(problem_about(active, start), start, options=options, warm=warm)
         if not solution.converged or solution.stages.duration > left:
             return None
-        judged = _judged(active.scene, scene, solution.stages)
+        judged = _exported(active.scene, scene, solution.stages)
         if judged is None:
             return None
         record, judgement = judged
@@ -181,6 +186,7 @@ def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | 
                 nearest=describe(judgement.certificate.worst),
                 trajectory=record,
                 seconds=0.0,
+                bound=NO_BOUND,
             )
             return Found(stop, solution, dict(active.backoff))
         tightened = _tightened(active, over)
@@ -190,39 +196,47 @@ def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | 
     return None
 
 
-def _judged(model: Scene, scene: Scene, stages: Stages) -> tuple[Trajectory, Judgement] | None:
+def _exported(model: Scene, scene: Scene, stages: Stages) -> tuple[Trajectory, Judgement] | None:
     """Exported samples with their verdict; None where the joints cannot follow."""
     try:
         record = export_samples(model, stages)
+    except (ModelError, np.linalg.LinAlgError):
+        return None
+    return judged_stop(record, scene)
+
+
+def judged_stop(record: Trajectory, scene: Scene) -> tuple[Trajectory, Judgement] | None:
+    """The record of a stop with the liquids that the judge finds, and its verdict; None where they have no answer."""
+    try:
         judgement = judge_motion(record, scene)
     except (ModelError, np.linalg.LinAlgError):
         return None
     return replace(record, slosh=judged_tracks(record, scene, judgement.replay, judgement.traces)), judgement
 
 
-def _over(active: ActiveSet, judgement: Judgement) -> dict[RowId, float]:
-    """Use of the limits that a stop breaks, by the rows of the problem; the limits of the arm's record have none."""
+def _over(active: ActiveSet, judgement: Judgement) -> dict[RowId, tuple[float, float]]:
+    """Use of the limits that a stop breaks and the part of its duration where it does, by the rows of the problem."""
     return {
-        RowId(row.constraint, label): row.use
+        RowId(row.constraint, label): (row.use, row.at_s / judgement.end_time)
         for row in judgement.certificate.rows
         if not row.ok and row.constraint in BY_NAME
         for label in _labels(active, row.subject)
     }
 
 
-def _over_after(active: ActiveSet, scene: Scene, record: Trajectory) -> dict[RowId, float]:
+def _over_after(active: ActiveSet, scene: Scene, record: Trajectory) -> dict[RowId, tuple[float, float]]:
     """Use of the limits that break while liquids swing on after a stop, by the rows on how far these do."""
     known = {row.subject for row in active.possible if row.constraint == ResidualHeight.name}
     if not known:
         return {}
     swinging = replace(scene, motion=replace(scene.motion, hold_after=_SWINGS_ON))
-    over: dict[RowId, float] = {}
+    over: dict[RowId, tuple[float, float]] = {}
     for row in judge_motion(record, swinging).certificate.rows:
         if not row.ok:
             # a rack feels the liquids of all its vials
             for label in known.intersection(_labels(active, row.subject)) or known:
                 key = RowId(ResidualHeight.name, label)
-                over[key] = max(row.use, over.get(key, 0.0))
+                over[key] = max((row.use, 1.0), over.get(key, (0.0, 1.0)))
     return over
 
 
@@ -231,10 +245,20 @@ def _labels(active: ActiveSet, subject: str) -> list[str]:
     return [label for (name, _), label in active.names.items() if name == subject] or [subject]
 
 
-def _tightened(active: ActiveSet, over: Mapping[RowId, float]) -> ActiveSet:
-    """The set with more back-off of rows by the use of their limits; itself where none of them is in the problem."""
-    backoff = dict(active.backoff)
-    for key in over.keys() & backoff.keys():
-        more = 1.0 - (1.0 - backoff[key]) / over[key] + _MORE
-        backoff[key] = min(max(backoff[key] + _MORE, more), _MOST_BACKOFF)
-    return active if backoff == active.backoff else replace(active, backoff=backoff)
+def _tightened(active: ActiveSet, over: Mapping[RowId, tuple[float, float]]) -> ActiveSet:
+    """The set with more back-off of rows by the use of their limits; itself where none of them is in the problem.
+
+    What breaks right after the beginning keeps more there alone: the motion before may stand on its limits, and with
+    more back-off everywhere none may lead on from there.
+    """
+    backoff, margins = dict(active.backoff), dict(active.margins)
+    known = over.keys() & backoff.keys()
+    for key in known:
+        use, share = over[key]
+        more = 1.0 - (1.0 - backoff[key]) / use + _MORE
+        if share <= _EARLY:
+            kept = margins[key].kept[0] if key in margins else 0.0
+            margins[key] = Margin(np.array([0.0, _EARLY, 1.5 * _EARLY]), (kept + use - 1.0 + _MORE / 2) * _AT_START)
+        else:
+            backoff[key] = min(max(backoff[key] + _MORE, more), _MOST_BACKOFF)
+    return replace(active, backoff=backoff, margins=margins) if known else active

@@ -20,6 +20,7 @@ from nospill.plans.stops import Stop, Stops, file_of
 from nospill.robots.joint_paths.search import JointPath, path_through
 from nospill.robots.robot import Robot
 from nospill.stopping.controller import braked, slowed_to_rest
+from nospill.stopping.later import sooner_by_waiting
 from nospill.stopping.solving import Found, stop_from
 
 EVERY = 0.02
@@ -87,6 +88,8 @@ def stops(
         controller += [braked(plan, state.t, brake), slowed_to_rest(plan, state.t, slowing)]
         if progress is not None:
             progress(number, len(states))
+    for index in reversed(range(len(own) - 1)):
+        own[index] = sooner_by_waiting(plan, states[index], own[index], own[index + 1], residual)
     return Stops(
         plan.scene.name, plan.duration, tuple(own), tuple(controller), tuple(brake.tolist()), slowing, residual
     )
@@ -101,7 +104,7 @@ def write_stops(found: Stops, plan: Plan, folder: str | Path) -> None:
     place = Path(folder)
     with atomic_folder(place / LIBRARY, replaceable=_is_library) as new:
         for stop in found.stops:
-            if stop.origin == "solved":
+            if stop.is_sooner:
                 EXPORTERS["csv"].write(stop.trajectory.joint_samples, plan.scene, new / file_of(stop))
     atomic_text(place / STOPS_FILE, json.dumps(found.to_dict(), indent=1, allow_nan=False) + "\n")
 

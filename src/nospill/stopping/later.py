@@ -1,0 +1,60 @@
+"""A stop that begins a little later: the plan goes on to the next instant, and the stop from there follows.
+
+Where a plan stands on a limit, a problem with back-off may have no solution, or only a slow one, 20 ms before or after
+an instant at which it has a good one. The way there is the plan's own; the whole is judged as one motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+
+from nospill.certification.wording import describe
+from nospill.motion.trajectory import Trajectory
+from nospill.plans.plan import Plan
+from nospill.plans.state import MotionState
+from nospill.plans.stops import Stop
+from nospill.stopping.solving import judged_stop, stopping_scene
+
+_WORTH = 2e-3
+"""s; by so much it has to be sooner."""
+
+
+def sooner_by_waiting(plan: Plan, state: MotionState, own: Stop, following: Stop, residual: float) -> Stop:
+    """The stop of the next instant with what leads there, where it stands sooner than a state's own; else that one.
+
+    Args:
+        plan: certified.
+        state: of the plan.
+        own: the stop from it.
+        following: the stop from a later instant, certified as after `stopping_scene`.
+        residual: how high liquids may swing on, over max_slosh_height.
+    """
+    if following.origin == "rest of the plan" or following.t - own.t + following.duration > own.duration - _WORTH:
+        return own
+    record = _joined(state.rest, following.trajectory, following.t - own.t)
+    judged = judged_stop(record, stopping_scene(plan.scene, state, residual))
+    if judged is None or not judged[1].certificate.ok:
+        return own
+    record, judgement = judged
+    return replace(
+        own,
+        duration=record.end_time,
+        end=following.end,
+        origin="later",
+        nearest=describe(judgement.certificate.worst),
+        trajectory=record,
+    )
+
+
+def _joined(rest: Trajectory, stop: Trajectory, wait: float) -> Trajectory:
+    """What is left of a plan until a time, s, and a stop that begins there; its liquids are those of a judgement."""
+    rows = round(wait * rest.rate)
+    columns = {
+        item.name: np.concatenate([getattr(rest, item.name)[:rows], getattr(stop, item.name)])
+        for item in fields(rest)
+        if item.name not in ("t", "joints", "slosh", "in_motion")
+    }
+    t = np.arange(rows + len(stop.t)) / rest.rate
+    return replace(rest, t=t, slosh={}, **columns)
