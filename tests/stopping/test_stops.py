@@ -17,7 +17,7 @@ from nospill.errors import ScenarioError
 from nospill.laws.constraints import OBJECT_NAMES
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.plans.plan import Plan
-from nospill.plans.stops import ControllerStop, Stops
+from nospill.plans.stops import ControllerStop, Stops, stopped
 from nospill.stopping.controller import BrakedJoints, SlowedClock, braked, slowed_to_rest
 
 EVERY = 1.2
@@ -55,8 +55,7 @@ def test_plan_until_then_and_stop_after_it_are_certified_as_one_motion_from_rest
     assert solved
     for stop in solved:
         np.testing.assert_allclose(stop.trajectory.tilt[-1], 0.0, atol=1e-4)
-        rows = round(stop.t * plan.trajectory.rate)
-        q = np.concatenate([plan.trajectory.joint_position[:rows], stop.trajectory.joint_position])
+        q = stopped(plan.trajectory, stop).position
         q = np.vstack([q, np.repeat(q[-1:], round(after * plan.trajectory.rate), axis=0)])
         certificate = ns.certify_joints(np.arange(len(q)) / plan.trajectory.rate, q, scene)
         end = {"still at the end"}  # of a published plan; a stop may swing on

@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nospill.cli.progress import LOADING, PLANNING_STEPS, ProgressLine
-from nospill.cli.tables import print_lines, print_table
+from nospill.cli.reporting import sibling_file
+from nospill.cli.tables import print_lines, print_table, print_verdict, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.plans.stops import Stops
+    from nospill.stopping.files import WrittenStop
 
 _ROWS = 12
 """Instants that are printed; all of them are in the file."""
@@ -35,22 +37,36 @@ def stops(
     slowing: Annotated[
         str, typer.Option(metavar="TIME", help="In which the controller scales time to zero along the path.")
     ] = "0.25 s",
+    format_name: Annotated[
+        str | None,
+        typer.Option(
+            "--format",
+            metavar="NAME",
+            help="Write the stops for a controller too, beside the plan: action-goal, urscript ... (nospill export "
+            "--list).",
+            show_default=False,
+        ),
+    ] = None,
 ) -> int:
     """Find the fastest spill-free stop from every instant of a plan, and say what the controller's own stop does.
 
     A stop is a certified motion to rest along what is left of the path, after which the liquids may swing on below
     their limits; the rest of the plan always is one. Writes
-    stops.json, stops.png and the samples of every stop into the plan folder. This is no safety function.
+    stops.json, stops.png and the samples of every stop into the plan folder. With --format: exit code 1 if one is not
+    certified as its controller plays it, read back from the file. This is no safety function.
     """
     with ProgressLine(PLANNING_STEPS) as progress:
         from nospill.core.units import quantity
+        from nospill.plans.handover import exporter_named
         from nospill.plans.loading import load_plan
         from nospill.plots.stopping import save_stops
+        from nospill.stopping.files import hand_over_stops
         from nospill.stopping.stops import LIBRARY, STOPS_FILE, write_stops
         from nospill.stopping.stops import stops as find_stops
 
         times = quantity(every, "time"), quantity(slowing, "time")
         braking = None if deceleration is None else quantity(deceleration, "angular_acceleration")
+        exporter = None if format_name is None else exporter_named(format_name)
         progress.say(LOADING)
         plan = load_plan(folder)
         found = find_stops(
@@ -62,9 +78,26 @@ def stops(
         )
         write_stops(found, plan, folder)
         save_stops(found, folder / "stops.png")
+        written = []
+        if exporter is not None:
+            place = sibling_file(folder, "-stops" + (".script" if exporter.name == "urscript" else ""))
+            written = hand_over_stops(found, plan, exporter, place)
     _print(found)
     print_lines(f"Written: {folder / STOPS_FILE}, {folder / 'stops.png'}, {folder / LIBRARY}")
-    return 0
+    return 0 if not written or _print_written(written) else 1
+
+
+def _print_written(written: list[WrittenStop]) -> bool:
+    """Say where the files are and whether every stop in them is certified."""
+    from nospill.certification.wording import finding
+
+    wrong = [item for item in written if not item.certificate.ok]
+    places = sorted({item.path if item.path.suffix == ".script" else item.path.parent for item in written})
+    verdict = f"{len(written) - len(wrong)} of {len(written)} stops are certified as read back and played"
+    print_verdict(f"{', '.join(map(str, places))}: {verdict}", not wrong)
+    for item in wrong[:_ROWS]:
+        say(f"stop from {item.stop.t:g} s: {finding(item.certificate)}")
+    return not wrong
 
 
 def _print(found: Stops) -> None:

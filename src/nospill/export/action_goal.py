@@ -104,13 +104,13 @@ def _require_tolerances(table: dict[str, Any], scene: Scene, sent: Addressed, pa
             raise PlanFolderError(f"{path}, {key}: is not one entry for each joint; write it again with nospill export")
 
 
-def action_goal_exporter(prefix: str = "", topic: str = "", lead: float = 0.0) -> Exporter:
+def action_goal_exporter(prefix: str = "", topic: str = "", lead: float = 0.0, begins: float = 0.0) -> Exporter:
     """The goal as it is sent.
 
     Raises:
         ScenarioError: see `message.Addressed`.
     """
-    sent = Addressed(prefix, lead, topic)
+    sent = Addressed(prefix, lead, topic, begins)
     return Exporter(
         name="action-goal",
         suffixes=(SUFFIX,),
@@ -123,6 +123,7 @@ def action_goal_exporter(prefix: str = "", topic: str = "", lead: float = 0.0) -
         uneven=True,
         options=OPTIONS,
         with_options=action_goal_exporter,
+        beginning=lambda begins: action_goal_exporter(prefix, topic, lead, begins),
     )
 
 

@@ -37,6 +37,8 @@ class Exporter:
         one_payload: whether a file states the load on the flange, once for all of it.
         options: names of what can be chosen about the format, as the command line has them.
         with_options: (those of them that are chosen) -> the format; raises ScenarioError for a value that is none.
+        beginning: (s after the start of a plan) -> the format for a motion that goes on from the plan then, where its
+            files have a place for that.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Exporter:
     one_payload: bool = False
     options: tuple[str, ...] = ()
     with_options: Callable[..., Exporter] | None = None
+    beginning: Callable[[float], Exporter] | None = None
 
 
 def full_columns(samples: JointSamples) -> tuple[np.ndarray, np.ndarray]:

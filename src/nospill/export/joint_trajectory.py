@@ -116,13 +116,13 @@ def _is_json(path: Path) -> bool:
     return path.name.endswith(JSON_SUFFIXES)
 
 
-def joint_trajectory_exporter(prefix: str = "", topic: str = "", lead: float = 0.0) -> Exporter:
+def joint_trajectory_exporter(prefix: str = "", topic: str = "", lead: float = 0.0, begins: float = 0.0) -> Exporter:
     """The message as it is sent.
 
     Raises:
         ScenarioError: see `message.Addressed`.
     """
-    sent = Addressed(prefix, lead, topic)
+    sent = Addressed(prefix, lead, topic, begins)
 
     def write(samples: JointSamples, scene: Scene, path: Path) -> None:
         text = json_text if _is_json(path) else yaml_text
@@ -144,6 +144,7 @@ def joint_trajectory_exporter(prefix: str = "", topic: str = "", lead: float = 0
         uneven=True,
         options=OPTIONS,
         with_options=joint_trajectory_exporter,
+        beginning=lambda begins: joint_trajectory_exporter(prefix, topic, lead, begins),
     )
 
 

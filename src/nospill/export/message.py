@@ -42,11 +42,14 @@ class Addressed:
         lead: time of the first point, s: until then the controller goes there from where the arm stands, on a spline of
             its own.
         topic: of the controller, or the name of its action.
+        begins: header time, s after the start of the plan that it goes on from; who sends it adds the time of that
+            start. Zero, for at once, of a motion from rest.
     """
 
     prefix: str = ""
     lead: float = 0.0
     topic: str = ""
+    begins: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what no controller takes.
@@ -77,9 +80,9 @@ def message_table(samples: JointSamples, scene: Scene, sent: Addressed = PLAINLY
     for row, stamp in enumerate(nanoseconds.tolist()):
         rows = (samples.position[row], speed[row], acceleration[row])
         point: dict[str, Any] = dict(zip(POINT_COLUMNS, (values.tolist() for values in rows), strict=True))
-        point["time_from_start"] = {"sec": stamp // _NANO, "nanosec": stamp % _NANO}
+        point["time_from_start"] = _stamp(stamp)
         points.append(point)
-    header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}
+    header = {"stamp": _stamp(round(sent.begins * _NANO)), "frame_id": ""}
     return {"header": header, "joint_names": sent.names(scene), "points": points}
 
 
@@ -100,6 +103,8 @@ def message_samples(table: Any, scene: Scene, path: Path, sent: Addressed = PLAI
         raise PlanFolderError(f"{path}: not a message {MESSAGE_TYPE}: joint_names or points are missing")
     if table["joint_names"] != sent.names(scene):
         require_joints(table["joint_names"], scene, path)
+    if sent.begins and table.get("header", {}).get("stamp") != _stamp(round(sent.begins * _NANO)):
+        raise PlanFolderError(f"{path}, header: its stamp is not {sent.begins:g} s, at which the motion begins")
     joints = len(scene.robot.joints)
     stamps, columns = [], {name: [] for name in POINT_COLUMNS}
     for number, point in enumerate(points, 1):
@@ -114,6 +119,10 @@ def message_samples(table: Any, scene: Scene, path: Path, sent: Addressed = PLAI
             rows.append(finite_row(cells, joints, f"{where}, {name}"))
     position, speed, acceleration = (np.array(rows).reshape(-1, joints) for rows in columns.values())
     return checked_samples(JointSamples(np.array(stamps) / _NANO, position, speed, acceleration), path)
+
+
+def _stamp(nanoseconds: int) -> dict[str, int]:
+    return {"sec": nanoseconds // _NANO, "nanosec": nanoseconds % _NANO}
 
 
 def _nanoseconds(stamp: Any, where: str) -> int:

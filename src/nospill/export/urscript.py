@@ -44,6 +44,9 @@ DECIMALS = 12
 START_TOLERANCE = 0.002
 """rad; farther from the first target, the program does not start."""
 
+Lines = list[tuple[int, str]]
+"""Of a program, each with its number in the file."""
+
 _TARGET = re.compile(r"servoj\(\[([^\]]*)\], 0, 0, ([0-9.eE+-]+), ([0-9.eE+-]+), ([0-9.eE+-]+)\)")
 _E_SERIES = re.compile(r"ur\d+e", re.IGNORECASE)
 _JOINT_COMMENT = "# joints: "
@@ -51,15 +54,15 @@ _DEFINITION = "def nospill_motion():"
 
 
 @dataclass(frozen=True, slots=True)
-class _Settings:
+class Settings:
     """Form of the program, gain and look-ahead (s) of servoj."""
 
-    form: str
-    gain: float
-    lookahead: float
+    form: str = SOCKET
+    gain: float = GAIN
+    lookahead: float = LOOKAHEAD_TIME
 
 
-def _comments(scene: Scene, rate: float) -> list[str]:
+def comment_lines(scene: Scene, rate: float) -> list[str]:
     """Within the function: what is sent by socket begins with def."""
     return [
         f"  # written by nospill for {scene.robot.name}",
@@ -75,7 +78,7 @@ def _comments(scene: Scene, rate: float) -> list[str]:
     ]
 
 
-def _frame(first: np.ndarray, scene: Scene, form: str) -> tuple[list[str], list[str]]:
+def frame_lines(first: np.ndarray, scene: Scene, form: str) -> tuple[list[str], list[str]]:
     """The program's lines before and after the targets, but for comments."""
     before = [
         _DEFINITION,
@@ -112,7 +115,8 @@ def period_text(rate: float) -> str:
     return f"{1.0 / rate:.6g}"
 
 
-def _reason_against(scene: Scene, rate: float) -> str | None:
+def reason_against(scene: Scene, rate: float) -> str | None:
+    """Why no program moves this arm at this rate, Hz; None where one does."""
     joints = len(scene.robot.joints)
     if joints != JOINTS:
         return f"URScript moves arms of {JOINTS} joints; this one has {joints} joints"
@@ -135,25 +139,41 @@ def _caution(scene: Scene, rate: float) -> str | None:
     return f"{rate:g} Hz is for {own} controllers; {other} ones play it at another pace and need --rate {needed:g}"
 
 
-def _write(samples: JointSamples, scene: Scene, path: Path, settings: _Settings) -> None:
+def target_lines(positions: np.ndarray, rate: float, settings: Settings) -> list[str]:
+    """One call of servoj for every row (m, 6), rad."""
+    arguments = f"0, 0, {period_text(rate)}, {settings.lookahead:g}, {settings.gain:g}"
+    return [f"  servoj([{_row(row)}], {arguments})" for row in positions]
+
+
+def _write(samples: JointSamples, scene: Scene, path: Path, settings: Settings) -> None:
     rate = round(samples.rate, 3)
-    reason = _reason_against(scene, rate)
+    reason = reason_against(scene, rate)
     if reason is not None:
         raise ScenarioError(reason)
-    arguments = f"0, 0, {period_text(rate)}, {settings.lookahead:g}, {settings.gain:g}"
-    targets = [f"  servoj([{_row(row)}], {arguments})" for row in samples.position]
-    before, after = _frame(samples.position[0], scene, settings.form)
-    lines = [before[0], *_comments(scene, rate), *before[1:], *targets, *after, ""]
+    before, after = frame_lines(samples.position[0], scene, settings.form)
+    targets = target_lines(samples.position, rate, settings)
+    lines = [before[0], *comment_lines(scene, rate), *before[1:], *targets, *after, ""]
     atomic_text(path, "\n".join(lines))
 
 
 def _read(path: Path, scene: Scene) -> JointSamples:
     """The targets; besides them a program may hold nothing but what `_write` put there."""
-    lines = [line.strip() for line in text_of(path).splitlines()]
-    named = [line.removeprefix(_JOINT_COMMENT).split(", ") for line in lines if line.startswith(_JOINT_COMMENT)]
-    require_joints(named[0] if named else None, scene, path)
+    return program_samples(numbered_lines(path), scene, path)
+
+
+def numbered_lines(path: Path) -> Lines:
+    """The lines of a program without blanks at their ends, each with its number."""
+    return [(number, line.strip()) for number, line in enumerate(text_of(path).splitlines(), 1)]
+
+
+def targets_of(lines: Lines, path: Path) -> tuple[list[np.ndarray], list[float], list[tuple[int, str, int]]]:
+    """Targets, rad, and periods, s, of some lines; and the others: number, text and how many targets are before.
+
+    Raises:
+        PlanFolderError: a target or a number that the controller does not take.
+    """
     rows, periods, others = [], [], []
-    for number, line in enumerate(lines, 1):
+    for number, line in lines:
         if not line or line.startswith("#"):
             continue
         where = f"{path}, line {number}"
@@ -170,6 +190,18 @@ def _read(path: Path, scene: Scene) -> JointSamples:
             if not low <= value <= high:
                 raise PlanFolderError(f"{where}: {name} is {value:g}; the controller takes {low:g} to {high:g}")
         periods.append(period)
+    return rows, periods, others
+
+
+def program_samples(lines: Lines, scene: Scene, path: Path) -> JointSamples:
+    """The targets of a program, and of its other lines that they are those that were written.
+
+    Raises:
+        PlanFolderError: they are not, or the program is for another arm or pace.
+    """
+    named = [line.removeprefix(_JOINT_COMMENT).split(", ") for _, line in lines if line.startswith(_JOINT_COMMENT)]
+    require_joints(named[0] if named else None, scene, path)
+    rows, periods, others = targets_of(lines, path)
     if not rows:
         raise PlanFolderError(f"{path}: holds no servoj target; write it again with nospill export")
     rate = 1.0 / periods[0] if periods[0] > 0.0 else 0.0
@@ -184,7 +216,7 @@ def _read(path: Path, scene: Scene) -> JointSamples:
 
 def _require_frame(others: list[tuple[int, str, int]], rows: np.ndarray, scene: Scene, path: Path) -> None:
     """Refuse a program in which anything else moves the arm: its other lines are those of `_frame`, in their places."""
-    before, after = _frame(rows[0], scene, SOCKET if others and others[-1][1] == "end" else NODE)
+    before, after = frame_lines(rows[0], scene, SOCKET if others and others[-1][1] == "end" else NODE)
     wanted = [(line.strip(), 0) for line in before] + [(line.strip(), len(rows)) for line in after]
     for (number, line, place), expected in zip(others, wanted, strict=False):
         if (line, place) != expected:
@@ -212,7 +244,7 @@ def urscript_exporter(form: str = SOCKET, gain: float = GAIN, lookahead: float =
     ):
         if not low <= value <= high:
             raise ScenarioError(f"urscript: --{option} is {value:g}{unit}; servoj takes {low:g} to {high:g}{unit}")
-    settings = _Settings(form, gain, lookahead)
+    settings = Settings(form, gain, lookahead)
     return Exporter(
         name="urscript",
         suffixes=(".script",),
@@ -220,7 +252,7 @@ def urscript_exporter(form: str = SOCKET, gain: float = GAIN, lookahead: float =
         "script node (--form)",
         receiver="Universal Robots controller: a target each control period, its drives follow (quintic spline)",
         interpolation=QUINTIC_SPLINE,
-        reason_against=_reason_against,
+        reason_against=reason_against,
         write=lambda samples, scene, path: _write(samples, scene, path, settings),
         read=_read,
         caution=_caution,

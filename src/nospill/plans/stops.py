@@ -13,6 +13,7 @@ from nospill.laws.constraints.lift import Lift
 from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.tip import Tip
 from nospill.laws.constraints.twist import Twist
+from nospill.motion.interpolation import JointSamples
 from nospill.motion.trajectory import Trajectory
 
 _VERBS = {Lift.name: "lifts", Slip.name: "slides", Tip.name: "tips", Twist.name: "turns"}
@@ -193,3 +194,10 @@ class Stops:
 def file_of(stop: Stop) -> str:
     """Name of the file with the samples of a stop, after the instant in ms."""
     return f"stop-{round(1e3 * stop.t):06d}.csv"
+
+
+def stopped(record: Trajectory, stop: Stop) -> JointSamples:
+    """The joints of a plan until an instant and of the stop from there, as one motion from rest to rest: positions."""
+    rows = round((stop.t - record.t[0]) * record.rate)
+    q = np.concatenate([record.joint_position[:rows], stop.trajectory.joint_position])
+    return JointSamples(np.arange(len(q)) / record.rate, q)

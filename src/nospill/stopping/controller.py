@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from nospill.certification.certificate import judge_joints
+from nospill.certification.certificate import Judgement, judge_joints
 from nospill.errors import ModelError
 from nospill.laws.constraints import OBJECT_NAMES
 from nospill.laws.constraints.slosh_height import SloshHeight
@@ -19,6 +19,7 @@ from nospill.motion.interpolation import HeldMotion, JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.plans.stops import ControllerStop
+from nospill.scene.scene import Scene
 
 _HIGHEST = 0.3
 """m; a crest so far above its limit is a figure of linear equations and of no liquid."""
@@ -107,15 +108,24 @@ def slowed_to_rest(plan: Plan, t: float, slowing: float) -> ControllerStop:
     return _judged(plan, SlowedClock(plan.trajectory.motion, t, slowing), t, "path", slowing)
 
 
+def judged_to_rest(motion: JointMotion, end: float, rate: float, scene: Scene, after: float = 1.0) -> Judgement:
+    """The verdict on joints that come to rest at an end, s, and stand for a time after it, s, from samples at a rate.
+
+    Raises:
+        ModelError: the liquids cannot be integrated.
+    """
+    times = np.arange(int(np.ceil((end + after) * rate)) + 1) / rate
+    held = HeldMotion(motion, 0.0, float(times[-1]))
+    record = Trajectory.of_joints(times, scene.robot.joints, *(held(times, order) for order in range(3)))
+    return judge_joints(record, scene)
+
+
 def _judged(
     plan: Plan, motion: JointMotion, t: float, kind: Literal["joints", "path"], duration: float
 ) -> ControllerStop:
-    rate, end = plan.trajectory.rate, t + duration + _AFTER
-    times = np.arange(int(np.ceil(end * rate)) + 1) / rate
-    held = HeldMotion(motion, 0.0, float(times[-1]))
-    record = Trajectory.of_joints(times, plan.trajectory.joints, *(held(times, order) for order in range(3)))
     try:
-        certificate = judge_joints(record, plan.scene).certificate
+        judgement = judged_to_rest(motion, t + duration, plan.trajectory.rate, plan.scene, _AFTER)
+        certificate = judgement.certificate
     except ModelError:  # the liquid moves as no linear one does
         return ControllerStop(t, kind, duration, False, float("inf"), {})
     broken = [row for row in certificate.rows if not row.ok and row.constraint in OBJECT_NAMES]

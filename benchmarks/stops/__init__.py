@@ -1,0 +1,1 @@
+"""Stops of plans in a second physics engine."""
