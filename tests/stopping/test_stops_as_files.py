@@ -1,4 +1,4 @@
-"""Stops as controllers' files: read back as they were written, joined to the plan, judged, and refused where changed."""
+"""Stops as files of controllers: read back as they were written, joined to the plan, judged, and refused if changed."""
 
 from __future__ import annotations
 
