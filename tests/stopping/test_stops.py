@@ -41,6 +41,7 @@ def test_there_is_a_stop_from_every_instant_and_none_is_longer_than_the_rest(pla
         assert 0.0 < stop.bound.duration <= stop.duration
         assert stop.duration <= stop.left == pytest.approx(plan.duration - stop.t)
         assert plan.trajectory.s[round(stop.t * plan.trajectory.rate)] <= stop.end <= 1.0
+    assert found.longest.duration == max(stop.duration for stop in found.stops)
     assert found.solved >= 0.5 and found.part_left < 0.6
 
 
@@ -126,8 +127,9 @@ def test_stops_that_cannot_be_found_are_refused(plan: Plan) -> None:
 def test_the_command_writes_table_figure_and_library(plan: Plan, tmp_path: Path) -> None:
     folder = tmp_path / "plan"
     plan.save(folder)
-    done = CliRunner().invoke(app, ["stops", str(folder), "--every", "3 s"])
-    assert done.exit_code == 0 and "no safety function" in done.stdout.replace("\n", " ")
+    done = CliRunner().invoke(app, ["stops", str(folder), "--every", "3 s", "--within", "0.01 s"])
+    said = done.stdout.replace("\n", " ")
+    assert done.exit_code == 1 and "no safety function" in said and "not stoppable within 0.01 s" in said
     table = json.loads((folder / "stops.json").read_text(encoding="utf-8"))
     assert [entry["t_s"] for entry in table["stops"]] == pytest.approx([3.0])
     assert len(table["controller"]) == 2 and (folder / "stops.png").stat().st_size > 10_000

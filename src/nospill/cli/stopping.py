@@ -37,6 +37,12 @@ def stops(
     slowing: Annotated[
         str, typer.Option(metavar="TIME", help="In which the controller scales time to zero along the path.")
     ] = "0.25 s",
+    within: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME", help="Exit code 1 unless a stop from every instant takes no longer.", show_default=False
+        ),
+    ] = None,
     format_name: Annotated[
         str | None,
         typer.Option(
@@ -65,6 +71,7 @@ def stops(
         from nospill.stopping.stops import stops as find_stops
 
         times = quantity(every, "time"), quantity(slowing, "time")
+        longest = None if within is None else quantity(within, "time")
         braking = None if deceleration is None else quantity(deceleration, "angular_acceleration")
         exporter = None if format_name is None else exporter_named(format_name)
         progress.say(LOADING)
@@ -84,7 +91,18 @@ def stops(
             written = hand_over_stops(found, plan, exporter, place)
     _print(found)
     print_lines(f"Written: {folder / STOPS_FILE}, {folder / 'stops.png'}, {folder / LIBRARY}")
-    return 0 if not written or _print_written(written) else 1
+    stoppable = longest is None or _print_longest(found, longest)
+    certified = not written or _print_written(written)
+    return 0 if stoppable and certified else 1
+
+
+def _print_longest(found: Stops, within: float) -> bool:
+    """Say whether the plan can be stopped within a time, s, from every instant."""
+    stop, late = found.longest, sum(stop.duration > within for stop in found.stops)
+    verdict = f"stoppable within {within:g} s from every instant" if not late else f"not stoppable within {within:g} s"
+    of_all = f", {late} of {len(found.stops)} take longer" if late else ""
+    print_verdict(f"{verdict}: the longest stop takes {stop.duration:.3f} s, from {stop.t:.3f} s{of_all}", not late)
+    return not late
 
 
 def _print_written(written: list[WrittenStop]) -> bool:

@@ -146,6 +146,11 @@ class Stops:
         return float(np.median([stop.duration / max(stop.bound.duration, 1e-9) for stop in self._middle]))
 
     @property
+    def longest(self) -> Stop:
+        """The stop that takes longest."""
+        return max(self.stops, key=lambda stop: stop.duration)
+
+    @property
     def _middle(self) -> tuple[Stop, ...]:
         """The stops from one to two thirds of the motion; all of them where none is."""
         middle = tuple(stop for stop in self.stops if 1 / 3 <= stop.t / self.duration <= 2 / 3)
@@ -159,6 +164,7 @@ class Stops:
             "solved": self.solved,
             "median_of_rest": self.part_left,
             "median_bound_of_rest": self.bound_of_left,
+            "longest_stop": {"t_s": self.longest.t, "stops_in_s": self.longest.duration},
             "deceleration_rad_s2": list(self.deceleration),
             "slowing_s": self.slowing,
             "residual_fraction": self.residual,

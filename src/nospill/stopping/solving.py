@@ -20,18 +20,19 @@ import numpy as np
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.tracks import judged_tracks
 from nospill.certification.wording import describe
-from nospill.errors import ModelError
+from nospill.errors import ModelError, NoSolutionError
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.motion.trajectory import Trajectory
+from nospill.path_search.free_path import paths_along
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
 from nospill.planning.task import Task
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState
 from nospill.plans.stops import NO_BOUND, Stop
-from nospill.robots.joint_paths.search import JointPath
+from nospill.robots.joint_paths.search import JointPath, path_through
 from nospill.scene.scene import Scene
 from nospill.stopping.bounds import bound_of
 from nospill.transcription.export_samples import export_samples
@@ -51,7 +52,7 @@ _TIGHTENED, _MORE = 6, 0.005
 _MOST_BACKOFF = 0.9
 _OF_SUM = 0.3
 """First back-off of a residual height of several modes: the judge sums them, the optimiser adds their squares."""
-_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 40, 120, 6.0
+_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 40, 120, 30.0
 _EARLY, _AT_START = 0.12, np.array([1.0, 1.0, 0.0])
 """Part of a stop up to which a row that breaks is tightened there alone, and how that fades."""
 _SWINGS_ON = 1.0
@@ -97,8 +98,7 @@ def stop_from(
     scene = stopping_scene(plan.scene, state, residual)
     found = None if before is None else _certified(scene, state, before.solution.stages, before, left)
     if found is None or afresh:
-        others = (_certified(scene, state, start, None, left) for start in _from_afar(scene, state, joint_path, left))
-        other = next((one for one in others if one is not None), None)
+        other = found_from_afar(scene, state, joint_path, left)
         if found is None or (other is not None and other.stop.duration < found.stop.duration):
             found = other
     seconds = time.perf_counter() - began
@@ -133,6 +133,24 @@ def stopping_scene(scene: Scene, state: MotionState, residual: float = 1.0) -> S
         ),
         planning=replace(scene.planning, path_jerk_weight=None, tilt_jerk_weight=None),
     )
+
+
+def found_from_afar(scene: Scene, state: MotionState, joint_path: JointPath, left: float) -> Found | None:
+    """The first certified stop that is found from smooth motions, at most as long as `left`, s; None where none is."""
+    others = (_certified(scene, state, start, None, left) for start in _from_afar(scene, state, joint_path, left))
+    return next((one for one in others if one is not None), None)
+
+
+def joint_path_of(plan: Plan) -> JointPath:
+    """The arm's way along the path of a plan.
+
+    Raises:
+        NoSolutionError: there is none.
+    """
+    paths = paths_along(plan.scene)
+    if not paths:
+        raise NoSolutionError(f"{plan.scene.name}: no joint path leads along its path")
+    return path_through(paths, 0.0, plan.trajectory.joint_position[0])
 
 
 def _from_afar(scene: Scene, state: MotionState, joint_path: JointPath, left: float) -> Iterator[Stages]:

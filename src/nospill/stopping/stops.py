@@ -11,17 +11,15 @@ from numpy.typing import ArrayLike
 
 from nospill.compiled.codegen import compiles_afterwards
 from nospill.core.files import atomic_folder, atomic_text
-from nospill.errors import NoSolutionError, ScenarioError
+from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
-from nospill.path_search.free_path import paths_along
 from nospill.plans.plan import Plan
 from nospill.plans.state import require_known_state, states_of
 from nospill.plans.stops import Stop, Stops, file_of
-from nospill.robots.joint_paths.search import JointPath, path_through
 from nospill.robots.robot import Robot
 from nospill.stopping.controller import braked, slowed_to_rest
 from nospill.stopping.later import sooner_by_waiting
-from nospill.stopping.solving import Found, stop_from
+from nospill.stopping.solving import Found, joint_path_of, stop_from
 
 EVERY = 0.02
 """s; from how many instants a stop is looked for."""
@@ -78,7 +76,7 @@ def stops(
     if not len(instants):
         raise ScenarioError(f"every = {every:g} s: the motion takes {plan.duration:.3f} s, no instant lies within it")
     states = states_of(plan.trajectory, plan.scene, instants)
-    joint_path = _joint_path(plan)
+    joint_path = joint_path_of(plan)
     found: Found | None = None
     own: list[Stop] = []
     controller = []
@@ -141,10 +139,3 @@ def _decelerations(stated: ArrayLike | None, robot: Robot) -> np.ndarray:
             "the limits of the arm"
         )
     return values
-
-
-def _joint_path(plan: Plan) -> JointPath:
-    paths = paths_along(plan.scene)
-    if not paths:
-        raise NoSolutionError(f"{plan.scene.name}: no joint path leads along its path")
-    return path_through(paths, 0.0, plan.trajectory.joint_position[0])

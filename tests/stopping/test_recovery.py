@@ -1,0 +1,54 @@
+"""Stops from states that break a limit: no more excess than the state has, nothing else broken, and an end to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+import nospill as ns
+from nospill.errors import ScenarioError
+from nospill.plans.plan import Plan
+from nospill.plans.state import MotionState
+from nospill.scene.swing import Swing
+
+AT = 2.4
+"""s; in the midst of the motion."""
+
+
+@pytest.fixture(scope="module")
+def plan(gentle_plan: Callable[[str, int], Plan]) -> Plan:
+    return gentle_plan("matrix-liquid-soft-end", 1)
+
+
+def _bumped(plan: Plan, crest: float) -> MotionState:
+    """The state of a plan with the liquid at rest at a crest, m, towards x, as it never is in the plan."""
+    state = plan.state_at(AT)
+    ((name, _),) = state.swings.items()
+    gain = plan.scene.cargo[0].oscillators[0].surface_gain
+    return replace(state, swings={name: Swing(((crest / gain, 0.0),), ((0.0, 0.0),))})
+
+
+def test_from_a_state_within_its_limits_the_stop_is_certified(plan: Plan) -> None:
+    found = ns.recover(plan, plan.state_at(AT))
+    assert found.certificate.ok and found.text == "certified" and found.until == 0.0
+    assert found.stop.duration < plan.duration - AT
+
+
+def test_a_bumped_liquid_comes_below_its_limit_and_rises_no_higher(plan: Plan) -> None:
+    limit, crest = plan.scene.cargo[0].filling.max_slosh_height, 0.018  # type: ignore[union-attr]
+    found = ns.recover(plan, _bumped(plan, crest))
+    ((name, excess),) = found.excess.items()
+    assert 0.99 * (crest - limit) <= excess <= 1.03 * crest - limit
+    assert [row.id for row in found.certificate.rows if not row.ok] == [("slosh height", name)]
+    assert 0.0 < found.until < found.stop.duration
+    assert found.text.startswith(f"recovering: {name} 3.")
+    height = found.stop.trajectory.slosh[name].height
+    t = found.stop.trajectory.t
+    assert height[t > found.until + 2e-3].max() <= limit * (1.0 + 1e-6)
+
+
+def test_what_stands_above_the_rim_has_been_spilled(plan: Plan) -> None:
+    with pytest.raises(ScenarioError, match="rim of its cup"):
+        ns.recover(plan, _bumped(plan, 0.06))
