@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from nospill.approach import Segment
 from nospill.certification.certificate import Judgement, judge
 from nospill.certification.full_model import with_full_model
+from nospill.certification.height_order import height_orders
 from nospill.certification.histories import ContactLoad, History, ModalStates, contact_load, history_of, modal_states
 from nospill.certification.limiting import limiting_text, savings_text
 from nospill.certification.other_speeds import SpeedUse, uses_at
@@ -416,6 +417,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "residual_slosh_height_m": _Kept("maxima", "residual_height"),
     "certificate": _Computed(_certificate_summary),
     "self_collision": _Computed(lambda plan: _self_collision(plan.certificate)),
+    "slosh_height_order": _Computed(lambda plan: height_orders(plan.scene)),
     "constraints": _Computed(lambda plan: [limit.to_dict() for limit in _limits(plan.scene)]),
     "held_back": _Computed(lambda plan: plan.limiting_text),
     "time_at_limit": _Kept("maxima", "time_at_limit"),

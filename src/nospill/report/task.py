@@ -266,7 +266,8 @@ def _height(certificate: Certificate, constraint: str, name: str) -> str:
     for row in certificate.rows:
         if row.id == (constraint, name):
             text = row_text(row)
-            return f"{text.value} of {text.limit}"
+            linear = "" if row.linear_value is None else f" (linear {1e3 * row.linear_value:.3g})"
+            return f"{text.value} of {text.limit}{linear}"
     return ""
 
 

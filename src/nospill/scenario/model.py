@@ -113,7 +113,8 @@ class MotionTable(Table):
         HeightOrder | None,
         Field(
             description="what max_slosh_height bounds: the linear height, or, at full fidelity and in upright "
-            "cylinders and boxes, that of second order, to which real crests are nearer; linear when left out"
+            "cylinders and boxes, that of second order, to which real crests are nearer; when left out the second "
+            "where it is known, and the certificate says where not"
         ),
     ] = None
     duration: Annotated[

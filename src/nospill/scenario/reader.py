@@ -35,7 +35,7 @@ from nospill.scenario.sentences import Fault, report
 from nospill.scenario.tables import Table, plain
 from nospill.scene.cargo import Cargo
 from nospill.scene.controller import Controller
-from nospill.scene.heights import unsupported
+from nospill.scene.heights import HeightOrder, linear_since
 from nospill.scene.places import Via
 from nospill.scene.scene import FULL_MODES, ApproachRules, MotionRules, Origin, PlanningOptions, Scene, path_length_of
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
@@ -337,12 +337,26 @@ def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
             'followed to the first order alone; write slosh_height = "linear", or leave tracking out'
         )
     for item in cargo:
-        reason = unsupported(item) if item.filling is not None and not item.filling.lid else None
+        reason = linear_since(item)
         if reason is not None:
             raise ScenarioError(
                 f'slosh_height = "second order": it is not known of {as_written(item.name)}, for {reason}; write '
                 'slosh_height = "linear"'
             )
+
+
+def _height_order(scenario: Scenario) -> tuple[HeightOrder, str]:
+    """To which order heights are judged, and why all of them are linear where they are."""
+    if scenario.fidelity != "full":
+        return "linear", ""
+    stated = scenario.motion.slosh_height
+    if stated is not None:
+        return stated, "" if stated == "second order" else "motion.slosh_height says so"
+    if scenario.tolerance is not None and scenario.tolerance.has_band:
+        return "linear", "over a band of arms, tolerance.tracking, heights are followed to the first order alone"
+    if scenario.motion.speed_range is not None:
+        return "linear", "over motion.speed_range the second order is asked for only where it is stated"
+    return "second order", ""
 
 
 def _check_still_end(scenario: Scenario) -> None:
@@ -405,6 +419,7 @@ def _motion(
     scenario: Scenario, path: Path, tray: Tray, passed: tuple[Via, ...], interface: Interface | None
 ) -> MotionRules:
     rules, range_ = scenario.motion, scenario.motion.speed_range
+    order, reason = _height_order(scenario)
     speeds = [rules.max_speed, interface.checks.hand_speed if interface and interface.checks else None]
     own = {
         "max_speed": min((speed for speed in speeds if speed is not None), default=None),
@@ -415,7 +430,8 @@ def _motion(
         "corridor_shares": scenario.path.width_shares,
         "yaw_free": scenario.path.yaw_free,
         "via": passed,
-        "slosh_height": rules.slosh_height or "linear",
+        "slosh_height": order,
+        "linear_since": reason,
     }
     return _record_of(MotionRules, rules, own)
 

@@ -25,6 +25,19 @@ def unsupported(cargo: Cargo) -> str | None:
     return None
 
 
+def linear_since(cargo: Cargo) -> str | None:
+    """Why the height of an object's liquid is not judged to the second order, as the end of a sentence.
+
+    None where it can be, or where there is no open liquid.
+    """
+    if cargo.filling is None or cargo.filling.lid:
+        return None
+    if cargo.filling.initial_swing is not None:
+        return "its swing at the beginning is known to the first order alone"
+    return unsupported(cargo)
+
+
 def to_second_order(cargo: Cargo, order: HeightOrder) -> bool:
     """Whether the height of an object's liquid is judged to the second order where the scene says `order`."""
-    return order == "second order" and cargo.filling is not None and unsupported(cargo) is None
+    is_open = cargo.filling is not None and not cargo.filling.lid
+    return order == "second order" and is_open and linear_since(cargo) is None

@@ -68,6 +68,7 @@ class MotionRules:
         via: places that the tray's centre passes, in this order.
         corridor_shares: parts of `corridor` at even steps of the path parameter, where it is not as wide everywhere.
         slosh_height: to which order the heights of the liquids are judged, as far as it is known of them.
+        linear_since: why all of them are linear, as the end of a sentence; empty where they are not, or as published.
         stop: whether it may come to rest anywhere on its path.
     """
 
@@ -89,6 +90,7 @@ class MotionRules:
     via: tuple[Via, ...] = ()
     corridor_shares: tuple[float, ...] = ()
     slosh_height: HeightOrder = "linear"
+    linear_since: str = ""
     stop: bool = False
 
     @property

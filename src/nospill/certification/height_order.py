@@ -1,0 +1,48 @@
+"""To which order the heights of a scene's liquids are judged, in words: none is linear silently."""
+
+from __future__ import annotations
+
+from nospill.scene.heights import linear_since, to_second_order
+from nospill.scene.scene import Scene
+
+SECOND = "second order"
+_LINEAR, _NAMED = "linear, since ", 4
+
+
+def height_orders(scene: Scene) -> dict[str, str]:
+    """Of every liquid with an open surface "second order", or "linear, since ..." with the reason; by object."""
+    motion, found = scene.motion, dict[str, str]()
+    for cargo in scene.cargo:
+        if cargo.filling is None or cargo.filling.lid:
+            continue
+        if scene.fidelity != "full":
+            found[cargo.name] = f"{_LINEAR}the published physics are"
+        elif to_second_order(cargo, motion.slosh_height):
+            found[cargo.name] = SECOND
+        else:
+            stated = motion.slosh_height == "linear" and (motion.linear_since or "motion.slosh_height says so")
+            found[cargo.name] = _LINEAR + (stated or linear_since(cargo) or "")
+    return found
+
+
+def height_note(scene: Scene) -> str:
+    """Which heights are linear at full fidelity and why, in one line; empty where none is.
+
+    "slosh height of soup, white, red: linear, since the flow is known in upright cylinders and boxes only".
+    """
+    if scene.fidelity != "full":
+        return ""
+    orders = height_orders(scene)
+    titles = {cargo.name: cargo.title for cargo in scene.cargo}
+    alike: dict[str, list[str]] = {}
+    for name, order in orders.items():
+        if order != SECOND:
+            alike.setdefault(order, []).append(titles[name])
+    return "; ".join(f"slosh height{_of(names, len(orders))}: {order}" for order, names in alike.items())
+
+
+def _of(names: list[str], count: int) -> str:
+    if len(names) == count:
+        return ""
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return f" of {', '.join(names[:_NAMED])}{more}"
