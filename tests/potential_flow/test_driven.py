@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.potential_flow import driven, rows_at, second_order_heights
+from nospill.potential_flow import driven, rows_at, second_order_states
 from nospill.potential_flow.orders import first_order
 from nospill.potential_flow.solving import two_orders
 from nospill.scene.cargo import Cargo
@@ -38,7 +38,7 @@ def _both(cargo: Cargo, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     masses = np.linalg.pinv(liquid.gains).T
     velocity = first_order(liquid.terms, first, at)[:, 0] @ masses
     body = rows_at(at, np.array([0.0, 0.0, -liquid.terms.basin.depth]))
-    return states[:, 1, 0], second_order_heights(liquid, body, first[:, 0] @ masses, velocity, _STEP)
+    return states[:, 1, 0], second_order_states(liquid, body, first[:, 0] @ masses, velocity, _STEP)[:, 0]
 
 
 @pytest.mark.parametrize(("turn", "lean"), [(0.0, 0.0), (4.0, 0.0), (4.0, 0.8)])
@@ -64,5 +64,20 @@ def test_twice_the_waves_drive_four_times_the_heights() -> None:
     q, qd = np.sin(25 * t)[:, None] * swing[:, 0], 25 * np.cos(25 * t)[:, None] * swing[:, 0]
     body = rows[:, ::2].copy()
     body[:6], body[6:8] = 0.0, 0.0  # the waves alone
-    once, twice = (second_order_heights(liquid, body, by * q, by * qd, _STEP) for by in (1.0, 2.0))
+    once, twice = (second_order_states(liquid, body, by * q, by * qd, _STEP)[:, 0] for by in (1.0, 2.0))
     np.testing.assert_allclose(twice, 4 * once, atol=1e-12)
+
+
+@pytest.mark.parametrize("cargo", [cup(), tub()])
+def test_what_begins_in_a_state_goes_on_as_it_did(cargo: Cargo) -> None:
+    liquid, rows = driven(cargo), _rows(3.0, 0.8)[:, ::2]
+    swing = np.random.default_rng(2).normal(size=liquid.gains.shape[1]) * 1e-3
+    t = _STEP * np.arange(_COUNT + 1)
+    q, qd = np.sin(25 * t)[:, None] * swing, 25 * np.cos(25 * t)[:, None] * swing
+    whole = second_order_states(liquid, rows, q, qd, _STEP)
+    half = _COUNT // 2
+    rest = second_order_states(liquid, rows[:, half:], q[half:], qd[half:], _STEP, whole[half])
+    largest = np.max(np.abs(whole), axis=(0, 2))
+    assert np.all(largest > 1e-5)
+    for order in (0, 1):
+        np.testing.assert_allclose(rest[:, order], whole[half:, order], atol=0.01 * largest[order])

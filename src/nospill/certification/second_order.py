@@ -14,9 +14,11 @@ import numpy as np
 
 from nospill.certification.replay import Replay
 from nospill.certification.verdict import Trace
+from nospill.core.units import as_written
+from nospill.errors import ModelError
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import structure_of
-from nospill.potential_flow import driven, rows_at, second_order_heights
+from nospill.potential_flow import driven, rows_at, second_order_states
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.heights import to_second_order
@@ -68,9 +70,8 @@ def second_order_surface(
     """
     filling = cargo.filling
     assert filling is not None  # `to_second_order` says so
-    own = rows_at(body, np.array([*cargo.position, 0.0]), cargo.yaw)
-    liquid = driven(cargo)
-    added = second_order_heights(liquid, own, displacement, velocity, step)
+    own, liquid = _own_rows(cargo, body), driven(cargo)
+    added = driven_states(cargo, body, displacement, velocity, step)[:, 0]
     linear, yaw = _linear_heights(filling, own, displacement)
     modes = liquid.terms.basin.modes
     half = np.max(np.abs(modes.wall), axis=0)
@@ -82,6 +83,35 @@ def second_order_surface(
         )  # no yaw mode is higher elsewhere
     surface = linear @ (modes.wall[where] / half).T + added @ modes.wall_shape[where].T
     return np.max(surface, axis=1) + yaw, added
+
+
+def driven_states(
+    cargo: Cargo, body: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, step: float
+) -> np.ndarray:
+    """States (m, 2, J) of the modes of second order, m and m/s, as `potential_flow.second_order_states` has them.
+
+    Arguments as of `second_order_surface`; they begin as the liquid's initial swing has them, or at rest.
+
+    Raises:
+        ModelError: that swing has more modes than the liquid.
+    """
+    liquid = driven(cargo)
+    begin = np.zeros((2, len(liquid.terms.stiffness)))
+    swing = None if cargo.filling is None else cargo.filling.initial_swing
+    if swing is not None:
+        count = len(swing.second_height)
+        if count > begin.shape[1]:
+            raise ModelError(
+                f"cargo {as_written(cargo.name)}: initial_swing.second_height has {count} modes; its liquid has "
+                f"{begin.shape[1]} of second order"
+            )
+        begin[:, :count] = swing.second_height, swing.second_velocity
+    return second_order_states(liquid, _own_rows(cargo, body), displacement, velocity, step, begin)
+
+
+def _own_rows(cargo: Cargo, body: np.ndarray) -> np.ndarray:
+    """Motion (9, m) of an object's bottom centre, in its axes."""
+    return rows_at(body, np.array([*cargo.position, 0.0]), cargo.yaw)
 
 
 def _linear_heights(filling: Filling, body: np.ndarray, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -25,6 +25,9 @@ _FREE, _MOST_OVER = 1e-3, 0.04
 half of that is added."""
 _WELL_BELOW = 0.95
 """Use of such a limit below which a certified motion gets back-off back."""
+_DRIVEN_BY_TURNS, _SCATTER = 2.0, 0.02
+"""What the second order adds over the linear height, from which waves are not what drives it; and by how much of its
+limit a motion with a little less budget may be higher all the same."""
 _LEFT, _RELAXED = 2e-3, 0.8
 """Part of a limit that is left free all the same, and part of what is free beyond it that is no longer kept."""
 
@@ -50,7 +53,8 @@ def second_order_backoff(backoff: float, linear: float, second: float, allowed: 
     """Back-off of a height of second order, of which the optimiser sees the linear part.
 
     What the second order adds grows with the square of the linear height, and this in proportion to what is left of the
-    budget; heights are fractions of the limit.
+    budget; heights are fractions of the limit. Where it adds far more than that, turns of the tray drive it, which fall
+    with a tighter budget too, but hardly faster than that.
 
     Args:
         backoff: fraction of the budget that the last problem kept.
@@ -59,8 +63,10 @@ def second_order_backoff(backoff: float, linear: float, second: float, allowed: 
         allowed: what that may be.
     """
     more = (_MORE - 1.0) * min(max(second - allowed, 0.0), _MOST_OVER)  # what it adds falls more slowly than that
-    least = backoff + min(_LEAST, (1.0 - backoff) / 2)
-    return max(_backoff_for(backoff, linear, second, allowed - more - _FREE), least)
+    least, wanted = backoff + min(_LEAST, (1.0 - backoff) / 2), allowed - more - _FREE
+    if second - linear > _DRIVEN_BY_TURNS * linear:
+        return max(1.0 - (1.0 - backoff) * (wanted - _SCATTER) / second, least)
+    return max(_backoff_for(backoff, linear, second, wanted), least)
 
 
 def relaxed_second_order(backoff: float, linear: float, second: float) -> float:

@@ -8,13 +8,15 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from nospill.certification.full_model import full_scene
-from nospill.certification.replay import replay, states_at
+from nospill.certification.replay import Replay, replay, states_at
 from nospill.certification.run import run_of
+from nospill.certification.second_order import driven_states
 from nospill.errors import ScenarioError
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.holds import held_trajectory
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
+from nospill.scene.heights import linear_since
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
 from nospill.scene.swing import LiquidOffset, Swing, swing_of
@@ -47,11 +49,13 @@ def swings_at(
         """Of liquids, at every time."""
         carried = replace(scene, cargo=tuple(cargo))
         played, slices = replay(run.record, carried, motion=run.motion), structure_of(carried).slosh_slices
-        displacement, velocity = states_at(played, played.t[-1:] if t is None else t)
-        return [
-            [swing_of(item.oscillators, q, rate) for q, rate in zip(displacement[own].T, velocity[own].T, strict=True)]
-            for item, own in zip(cargo, slices, strict=True)
-        ]
+        times = played.t[-1:] if t is None else t
+        displacement, velocity = states_at(played, times)
+        found = []
+        for item, own in zip(cargo, slices, strict=True):
+            swings = [swing_of(item.oscillators, *state) for state in zip(displacement[own].T, velocity[own].T)]
+            found.append(_with_second(swings, item, played, own, times))
+        return found
 
     liquids = {cargo.name: cargo for cargo in scene.cargo if cargo.filling is not None}
     swings = dict(zip(liquids, left([*liquids.values()]), strict=True)) if liquids else {}
@@ -70,6 +74,20 @@ def swings_at(
             for name, own in swings.items()
         }
         for index in range(1 if t is None else len(t))
+    ]
+
+
+def _with_second(swings: list[Swing], cargo: Cargo, played: Replay, own: slice, times: np.ndarray) -> list[Swing]:
+    """The swings of a liquid at some times with what they drive to the second order, where that is known."""
+    if cargo.filling is None or cargo.filling.lid or linear_since(cargo) is not None:
+        return swings
+    q, qd = played.slosh_displacement[:, own], played.slosh_velocity[:, own]
+    states = driven_states(cargo, played.body, q, qd, 1.0 / played.rate).reshape(len(played.t), -1)
+    columns = [np.interp(times, played.t, column) for column in states.T]
+    at_times = np.stack(columns, axis=1).reshape(len(times), 2, -1)
+    return [
+        replace(swing, second_height=tuple(height.tolist()), second_velocity=tuple(rate.tolist()))
+        for swing, (height, rate) in zip(swings, at_times, strict=True)
     ]
 
 
@@ -100,6 +118,8 @@ def swing_table(swing: Swing) -> dict[str, object]:
     }
     if swing.yaw_displacement:
         table |= {"yaw_displacement": [*swing.yaw_displacement], "yaw_velocity": [*swing.yaw_velocity]}
+    if swing.second_height:
+        table |= {"second_height": [*swing.second_height], "second_velocity": [*swing.second_velocity]}
     if swing.variants:
         table["variant"] = [_perturbation_table(offset) | swing_table(item) for offset, item in swing.variants]
     return table

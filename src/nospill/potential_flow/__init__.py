@@ -8,5 +8,5 @@ from nospill.potential_flow.crests import crests_along as crests_along
 from nospill.potential_flow.crests import second_order_along as second_order_along
 from nospill.potential_flow.driven import Driven as Driven
 from nospill.potential_flow.driven import driven as driven
-from nospill.potential_flow.driven import second_order_heights as second_order_heights
+from nospill.potential_flow.driven import second_order_states as second_order_states
 from nospill.potential_flow.integration import rows_at as rows_at

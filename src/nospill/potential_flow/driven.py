@@ -108,10 +108,17 @@ def height_gains(oscillators: Sequence[Oscillator], basin: Basin) -> np.ndarray:
     return np.array(columns).T
 
 
-def second_order_heights(
-    liquid: Driven, body: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, step: float
+def second_order_states(
+    liquid: Driven,
+    body: np.ndarray,
+    displacement: np.ndarray,
+    velocity: np.ndarray,
+    step: float,
+    start: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Heights (m, J) of the second order in the modes of the basin, at rest at the start, m.
+    """Heights, m, and own velocities, m/s, of the second order in the modes of the basin, (m, 2, J).
+
+    An own velocity is the stiffness times the potential: that of the height without what drives it.
 
     Args:
         liquid: which.
@@ -119,14 +126,18 @@ def second_order_heights(
         displacement: (m, k) of the modal masses, m.
         velocity: (m, k) likewise, m/s.
         step: between the instants, s.
+        start: (2, J) when it begins; at rest when left out.
     """
     basin, count = liquid.terms.basin, len(displacement)
     every = max(int(_STEP_ANGLE / (float(np.max(basin.frequency)) * step)), 1)
     picked = np.append(np.arange(0, count - 1, every), count - 1)
     rows = rows_at(body[:, picked], np.array([0.0, 0.0, basin.depth]))
     first = _states(liquid, rows, displacement[picked], velocity[picked])
-    heights = _integrated(liquid, second_order_sources(liquid.terms, first, rows), rows, step * np.diff(picked))
-    return np.stack([np.interp(np.arange(count), picked, column) for column in heights.T], axis=1)
+    sources = second_order_sources(liquid.terms, first, rows)
+    begin = np.zeros((2, len(liquid.terms.stiffness))) if start is None else start
+    states = _integrated(liquid, sources, rows, step * np.diff(picked), begin).reshape(len(picked), -1)
+    at_all = np.stack([np.interp(np.arange(count), picked, column) for column in states.T], axis=1)
+    return at_all.reshape(count, 2, -1)
 
 
 def _states(liquid: Driven, rows: np.ndarray, displacement: np.ndarray, velocity: np.ndarray) -> np.ndarray:
@@ -137,8 +148,10 @@ def _states(liquid: Driven, rows: np.ndarray, displacement: np.ndarray, velocity
     return np.stack([height, (velocity @ liquid.gains.T + carried - leaned) / terms.stiffness], axis=1)
 
 
-def _integrated(liquid: Driven, sources: np.ndarray, rows: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Heights (m, J) that sources (m, 2, J) make."""
+def _integrated(
+    liquid: Driven, sources: np.ndarray, rows: np.ndarray, steps: np.ndarray, begin: np.ndarray
+) -> np.ndarray:
+    """States (m, 2, J), heights and own velocities, that sources (m, 2, J) make from that at the beginning, (2, J)."""
     terms, h = liquid.terms, steps[:, None]
     turn = np.concatenate([[0.0], np.cumsum((rows[2][:-1] + rows[2][1:]) / 2 * steps)])
     still = np.exp(1j * np.outer(turn, liquid.diameters))  # from the cup's axes to those that do not turn
@@ -152,11 +165,13 @@ def _integrated(liquid: Driven, sources: np.ndarray, rows: np.ndarray, steps: np
     cosine, sine = np.real(fade * np.cos(root * h)), np.real(fade * np.sin(root * h) / root)
     rows_ahead = zip(cosine + decay * sine, kappa * sine, -force * sine, cosine - decay * sine, strict=True)
     before, after = h / 2 * pushes[:, :-1], h / 2 * pushes[:, 1:]
-    height = potential = np.zeros(pushes.shape[2], complex)
-    heights = [height]
+    height, potential = begin @ liquid.axes
+    potential = potential / kappa
+    states = [(height, potential)]
     for index, (a, b, c, d) in enumerate(rows_ahead):
         u, v = height + before[0, index], potential + before[1, index]
         height = a * u + b * v + after[0, index]
         potential = c * u + d * v + after[1, index]
-        heights.append(height)
-    return np.real((np.array(heights) * still.conj()) @ liquid.axes.conj().T)
+        states.append((height, potential))
+    found = np.array(states) * np.stack([np.ones_like(kappa), kappa]) * still.conj()[:, None]
+    return np.real(found @ liquid.axes.conj().T)

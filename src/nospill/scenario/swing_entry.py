@@ -20,6 +20,7 @@ from nospill.scene.swing import LiquidOffset, Swing
 from nospill.scene.variants import Variant, variants
 
 _SWING = Measured(dimension="length", at_least=-1.0, at_most=1.0)
+_MOST_DRIVEN = 200
 _SWING_RATE = Measured(dimension="speed", at_least=-100.0, at_most=100.0)
 
 
@@ -52,6 +53,19 @@ class SwingOfModes(Table):
         Field(description="their velocities, of the same modes", max_length=2 * FULL_MODES - 1),
     ] = default(None)
 
+    second_height: Annotated[
+        Given[list[Annotated[float, _SWING]] | None, Values | None],
+        Field(
+            description="of the modes that these drive to the second order, as plans in motion write them; without it "
+            "heights are linear",
+            max_length=_MOST_DRIVEN,
+        ),
+    ] = default(None)
+    second_velocity: Annotated[
+        Given[list[Annotated[float, _SWING_RATE]] | None, Values | None],
+        Field(description="their own velocities, of the same modes", max_length=_MOST_DRIVEN),
+    ] = default(None)
+
     @property
     def swing(self) -> Swing:
         """The same as a record.
@@ -71,7 +85,13 @@ class SwingOfModes(Table):
                 f"initial_swing: yaw_displacement has {len(yaw_displaced)} modes and yaw_velocity {len(yawing)}; give "
                 "both of the same modes"
             )
-        return Swing(tuple(displaced), tuple(moving), yaw_displaced, yawing)
+        height, velocity = (tuple(part or ()) for part in (self.second_height, self.second_velocity))
+        if len(height) != len(velocity):
+            raise ScenarioError(
+                f"initial_swing: second_height has {len(height)} modes and second_velocity {len(velocity)}; give both "
+                "of the same modes"
+            )
+        return Swing(tuple(displaced), tuple(moving), yaw_displaced, yawing, height, velocity)
 
 
 class VariantSwingTable(SwingOfModes):

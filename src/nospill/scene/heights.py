@@ -32,9 +32,10 @@ def linear_since(cargo: Cargo) -> str | None:
     """
     if cargo.filling is None or cargo.filling.lid:
         return None
-    if cargo.filling.initial_swing is not None:
+    swing, reason = cargo.filling.initial_swing, unsupported(cargo)
+    if reason is None and swing is not None and not swing.to_second_order:
         return "its swing at the beginning is known to the first order alone"
-    return unsupported(cargo)
+    return reason
 
 
 def to_second_order(cargo: Cargo, order: HeightOrder) -> bool:

@@ -50,6 +50,9 @@ class Swing:
         velocity: likewise, m/s; the same modes.
         yaw_displacement: of the yaw modes of a box, m, the height of each in the corner towards x and y.
         yaw_velocity: likewise, m/s; the same modes.
+        second_height: of the modes that these drive to the second order, as `potential_flow.driven_basin` has them, m;
+            empty where nobody knows.
+        second_velocity: their own velocities, without what drives them, m/s; the same modes.
         variants: the swing of the same liquid where its numbers are off, which the motion before left otherwise.
     """
 
@@ -57,6 +60,8 @@ class Swing:
     velocity: tuple[tuple[float, float], ...]
     yaw_displacement: tuple[float, ...] = ()
     yaw_velocity: tuple[float, ...] = ()
+    second_height: tuple[float, ...] = ()
+    second_velocity: tuple[float, ...] = ()
     variants: tuple[tuple[LiquidOffset, Swing], ...] = ()
 
     @property
@@ -64,6 +69,11 @@ class Swing:
         """Whether a yaw mode swings, in a variant perhaps."""
         own = any(self.yaw_displacement) or any(self.yaw_velocity)
         return own or any(swing.yaws for _, swing in self.variants)
+
+    @property
+    def to_second_order(self) -> bool:
+        """Whether it is known to the second order, in all variants."""
+        return bool(self.second_height) and all(swing.to_second_order for _, swing in self.variants)
 
     def of(self, offset: LiquidOffset) -> Swing | None:
         """The swing of the liquid whose numbers are off by this; None where nobody knows it."""
