@@ -1,0 +1,100 @@
+"""To which order heights are judged where the scenario does not say so, and that no linear one is silent."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from nospill.certification.height_order import height_note, height_orders
+from nospill.certification.second_order import driven_states
+from nospill.errors import ModelError, ScenarioError
+from nospill.plans.swings import swing_table
+from nospill.scenario import read_scenario
+from nospill.scene.heights import to_second_order
+from nospill.scene.swing import Swing
+
+_SWING = {"displacement": [[1e-3, 0.0]], "velocity": [[0.0, 0.0]]}
+_LINEAR = {"motion.slosh_height": "linear"}
+
+
+def test_at_full_fidelity_it_is_the_second_order_where_that_is_known() -> None:
+    scene = read_scenario("mixed-tray")
+    assert height_orders(scene) == dict.fromkeys(("cup", "mug", "box"), "second order")
+    assert height_note(scene) == ""
+    assert height_note(read_scenario("matrix-liquid-tilt-robust")) == ""  # tolerances bear it
+
+
+def test_published_physics_are_linear_as_ever() -> None:
+    scene = read_scenario("matrix-liquid")
+    assert not any(to_second_order(item, scene.motion.slosh_height) for item in scene.cargo)
+    assert (
+        set(height_orders(scene).values()) == {"linear, since the published physics are"} and height_note(scene) == ""
+    )
+    assert height_orders(scene.changed({"fidelity": "full"}))["c1"] == "second order"
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "note"),
+    [
+        ("soup-and-wine", {}, "slosh height: linear, since the flow is known in upright cylinders and boxes only"),
+        (
+            "vial-rack",
+            {},
+            "slosh height: linear, since it stands in rack, and vials of a carrier are not",
+        ),
+        ("mixed-tray", _LINEAR, "slosh height: linear, since motion.slosh_height says so"),
+        (
+            "mixed-tray",
+            {"tolerance": {"tracking": {"delay": "1 ms"}}},
+            "slosh height: linear, since over a band",
+        ),
+        (
+            "mixed-tray",
+            {"motion.speed_range": ["50 %", "100 %"]},
+            "slosh height: linear, since over motion",
+        ),
+        (
+            "mixed-tray",
+            {"cargo.cup.contact_line": "free"},
+            "slosh height of cup: linear, since the flow leaves surface tension out, and a contact line is stated",
+        ),
+        (
+            "mixed-tray",
+            {"cargo.cup.initial_swing": _SWING, "cargo.mug.initial_swing": _SWING},
+            "slosh height of cup, mug: linear, since its swing at the beginning is known to the first order alone",
+        ),
+    ],
+)
+def test_what_is_linear_is_said_with_its_reason(name: str, changes: dict[str, object], note: str) -> None:
+    scene = read_scenario(name).changed(changes)
+    assert re.match(note, height_note(scene)), height_note(scene)
+    linear = {item for item, order in height_orders(scene).items() if order != "second order"}
+    assert linear == {
+        item.name for item in scene.cargo if item.filling and not to_second_order(item, scene.motion.slosh_height)
+    }
+
+
+def test_where_it_is_stated_a_swing_of_the_first_order_is_refused() -> None:
+    stated = {"motion.slosh_height": "second order", "cargo.cup.initial_swing": _SWING}
+    with pytest.raises(ScenarioError, match=r'not known of "cup", for its swing at the beginning'):
+        read_scenario("mixed-tray").changed(stated)
+
+
+def test_a_swing_of_second_order_is_written_and_read() -> None:
+    swing = Swing(((1e-3, 0.0),), ((0.0, 0.0),), second_height=(1e-4, 2e-4), second_velocity=(0.0, -1e-3))
+    scene = read_scenario("mixed-tray").changed({"cargo.cup.initial_swing": swing_table(swing)})
+    assert scene.cargo[0].filling is not None and scene.cargo[0].filling.initial_swing == swing
+    assert height_orders(scene)["cup"] == "second order"
+    with pytest.raises(ScenarioError, match="second_height has 2 modes and second_velocity 1"):
+        table = swing_table(swing) | {"second_velocity": [0.0]}
+        read_scenario("mixed-tray").changed({"cargo.cup.initial_swing": table})
+
+
+def test_a_swing_of_more_modes_than_the_liquid_has_is_refused() -> None:
+    many = swing_table(Swing(((0.0, 0.0),), ((0.0, 0.0),), second_height=(0.0,) * 99, second_velocity=(0.0,) * 99))
+    (cup, *_) = read_scenario("mixed-tray").changed({"cargo.cup.initial_swing": many}).cargo
+    body, none = np.zeros((9, 5)), np.zeros((5, len(cup.initial_coordinates[0])))
+    with pytest.raises(ModelError, match=r'cargo "cup": initial_swing\.second_height has 99 modes; its liquid has 10'):
+        driven_states(cup, body, none, none, 5e-4)
