@@ -15,7 +15,8 @@ from nospill.certification.replay import replay
 from nospill.errors import ScenarioError
 from nospill.laws.scene_parameters import initial_coordinates
 from nospill.plans.plan import Plan
-from nospill.plans.state import MotionState, beginning_in, rest_of
+from nospill.plans.state import MotionState, beginning_in, rest_of, states_of
+from nospill.scenario import read_scenario
 
 T = 0.8
 """s; in the midst of the motion."""
@@ -138,3 +139,19 @@ def test_instants_outside_and_what_does_not_begin_in_motion_are_refused(before: 
         late.state_at(T)
     with pytest.raises(ScenarioError, match=r"motion\.stop"):
         before.scene.changed({"motion.stop": True})
+
+
+def test_liquids_go_on_to_the_second_order_as_they_did(gentle_plan: Callable[[str, int], Plan]) -> None:
+    """The heights of what is left of a motion are those of the motion: driven modes begin where they were."""
+    record = gentle_plan("mixed-tray", 1).trajectory
+    whole = read_scenario("mixed-tray")  # with all modes
+    whole = whole.changed({"cargo": whole.source["cargo"][:1]})
+    (state,) = states_of(record, whole, [T])
+    (before,), (after,) = (
+        [trace for trace in judge_motion(some, scene).traces if trace.constraint == "slosh height"]
+        for some, scene in ((record, whole), (state.rest, beginning_in(whole, state)))
+    )
+    assert before.linear is not None and after.linear is not None
+    expected = np.interp(after.t + state.t, before.t, before.value)
+    np.testing.assert_allclose(after.value, expected, atol=1e-7)
+    assert np.max(np.abs(before.value - before.linear)) > 1e-5

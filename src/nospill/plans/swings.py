@@ -16,7 +16,7 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.motion.holds import held_trajectory
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
-from nospill.scene.heights import linear_since
+from nospill.scene.heights import to_second_order
 from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
 from nospill.scene.swing import LiquidOffset, Swing, swing_of
@@ -53,8 +53,10 @@ def swings_at(
         displacement, velocity = states_at(played, times)
         found = []
         for item, own in zip(cargo, slices, strict=True):
-            swings = [swing_of(item.oscillators, *state) for state in zip(displacement[own].T, velocity[own].T)]
-            found.append(_with_second(swings, item, played, own, times))
+            coordinates = zip(displacement[own].T, velocity[own].T, strict=True)
+            swings = [swing_of(item.oscillators, q, rate) for q, rate in coordinates]
+            is_known = scene.fidelity == "full" and to_second_order(item, "second order")
+            found.append(_with_second(swings, item, played, own, times) if is_known else swings)
         return found
 
     liquids = {cargo.name: cargo for cargo in scene.cargo if cargo.filling is not None}
@@ -78,9 +80,7 @@ def swings_at(
 
 
 def _with_second(swings: list[Swing], cargo: Cargo, played: Replay, own: slice, times: np.ndarray) -> list[Swing]:
-    """The swings of a liquid at some times with what they drive to the second order, where that is known."""
-    if cargo.filling is None or cargo.filling.lid or linear_since(cargo) is not None:
-        return swings
+    """The swings of a liquid at some times with what they drive to the second order."""
     q, qd = played.slosh_displacement[:, own], played.slosh_velocity[:, own]
     states = driven_states(cargo, played.body, q, qd, 1.0 / played.rate).reshape(len(played.t), -1)
     columns = [np.interp(times, played.t, column) for column in states.T]
