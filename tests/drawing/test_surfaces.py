@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from nospill.certification.certificate import judge_motion
 from nospill.certification.verdict import Trace
 from nospill.drawing.geometry import wall_thickness
-from nospill.drawing.surfaces import liquid_surface
-from nospill.drawing.timeline import Film, make_film
+from nospill.drawing.surfaces import LiquidSurface, liquid_surface
+from nospill.drawing.timeline import Film, LiquidTrack, make_film
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers import Cylinder
@@ -29,7 +29,10 @@ def height_traces(film: Film) -> dict[str, Trace]:
 
 @pytest.mark.parametrize("name", FILMS)
 def test_height_at_the_wall_is_the_recorded_one(name: str, request: pytest.FixtureRequest) -> None:
-    """At every instant the highest point of the drawn rim is the judge's height, but for the corners of the polygon."""
+    """At every instant the highest point of the drawn rim is the judge's height, but for the corners of the polygon.
+
+    So it is of the linear surface; that of second order comes below.
+    """
     film: Film = request.getfixturevalue(name)
     film = film.at_rate(film.judgement.replay.rate)
     traces = height_traces(film)
@@ -39,9 +42,9 @@ def test_height_at_the_wall_is_the_recorded_one(name: str, request: pytest.Fixtu
         if cargo.filling is None:
             continue
         surface, track, trace = liquid_surface(cargo), film.liquids[cargo.name], traces[cargo.name]
-        recorded = trace.value
+        recorded = trace.value if trace.linear is None else trace.linear
         at_wall = np.isclose(_to_wall(cargo, surface.points), 0.0, atol=1e-9)
-        drawn = np.max(np.abs(track.coordinates[moving] @ surface.basis[at_wall].T), axis=1)
+        drawn = np.max(np.abs(_linear(surface, track)[moving] @ surface.basis[at_wall].T), axis=1)
         if cargo.shape == "cylinder":
             assert np.all(drawn <= recorded + 1e-9)
             assert np.all(drawn >= np.cos(np.pi / 32) * recorded - 1e-9)
@@ -49,8 +52,13 @@ def test_height_at_the_wall_is_the_recorded_one(name: str, request: pytest.Fixtu
             assert np.all(drawn <= recorded + 0.05 * np.max(recorded))
             assert 0.95 * np.max(recorded) < np.max(drawn) <= np.max(recorded)
         assert np.max(recorded) > 2e-3
-        assert np.max(np.abs(track.height[moving] - recorded)) < 1e-9  # what colours the liquid
+        assert np.max(np.abs(track.height[moving] - trace.value)) < 1e-9  # what colours the liquid
         assert track.limit == float(trace.limit[0])
+
+
+def _linear(surface: LiquidSurface, track: LiquidTrack) -> np.ndarray:
+    """Its coordinates without those of second order."""
+    return track.coordinates[:, : surface.basis.shape[1]]
 
 
 def _to_wall(cargo: Cargo, points: np.ndarray) -> np.ndarray:
@@ -67,7 +75,7 @@ def test_liquid_stays_inside_its_container(name: str, request: pytest.FixtureReq
     for cargo in film.plan.scene.cargo:
         if cargo.filling is None:
             continue
-        surface = liquid_surface(cargo)
+        surface = liquid_surface(cargo, film.plan.scene.motion.slosh_height)
         for coordinates in film.liquids[cargo.name].coordinates:
             vertices = surface.vertices(coordinates)
             assert np.all(_to_wall(cargo, vertices[:, :2]) > wall_thickness(cargo.container))
@@ -219,11 +227,7 @@ def test_leaning_liquid_with_surface_tension_rises_as_the_judge_has_it(line: Con
 def test_the_surface_of_second_order_is_drawn_as_it_is_judged(tilting_film: Film) -> None:
     """Crest and colour are the judge's, after the end too; the middle rises as well, and no volume is made."""
     whole = tilting_film.plan
-    scene = dataclasses.replace(
-        whole.scene,
-        motion=dataclasses.replace(whole.scene.motion, slosh_height="second order"),
-        cargo=whole.scene.cargo[:1],
-    )
+    scene = dataclasses.replace(whole.scene, cargo=whole.scene.cargo[:1])
     judgement = judge_motion(whole.trajectory, scene)
     film = make_film(
         dataclasses.replace(whole, scene=scene), judgement, rate=judgement.replay.rate, length=whole.duration + 0.2

@@ -99,11 +99,11 @@ def test_a_crest_of_second_order_over_its_limit(
     changed_scene, judgement: Judgement, certified: float, limit: str, warned: bool
 ) -> None:
     rows = tuple(
-        replace(row, worst_value=certified) if (row.constraint, row.subject) == ("slosh height", "cup") else row
+        replace(row, worst_value=certified, linear_value=None) if row.id == ("slosh height", "cup") else row
         for row in judgement.certificate.rows
     )
     raised = replace(judgement, certificate=replace(judgement.certificate, rows=rows))
-    scene = changed_scene(NAME, {"cargo.0.max_slosh_height": limit})
+    scene = changed_scene(NAME, {"cargo.0.max_slosh_height": limit, "motion.slosh_height": "linear"})
     warnings = {item.name: item for item in slower_warnings(scene, raised, (), None)}
     assert set(warnings) == ({"second order"} if warned else set())
     for warning in warnings.values():
