@@ -52,7 +52,8 @@ def test_height_at_the_wall_is_the_recorded_one(name: str, request: pytest.Fixtu
             assert np.all(drawn <= recorded + 0.05 * np.max(recorded))
             assert 0.95 * np.max(recorded) < np.max(drawn) <= np.max(recorded)
         assert np.max(recorded) > 2e-3
-        assert np.max(np.abs(track.height[moving] - trace.value)) < 1e-9  # what colours the liquid
+        fine = 1e-9 if trace.linear is None else 1e-6  # driven modes are interpolated
+        assert np.max(np.abs(track.height[moving] - trace.value)) < fine  # what colours the liquid
         assert track.limit == float(trace.limit[0])
 
 

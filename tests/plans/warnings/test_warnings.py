@@ -59,7 +59,7 @@ def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
         "robot.base_position": ["0 m", "0 m", "0 m"],
         "planning": {},
     }
-    assert len(WARNINGS) == 25
+    assert len(WARNINGS) == 26
     assert found(quiet) == {}
 
 
@@ -367,3 +367,16 @@ def test_a_crest_of_second_order_is_not_called_linear(found, judgement: Judgemen
     assert "second order is believed" in warning.text and "linear" not in warning.text
     raised = replace(judgement, certificate=replace(judgement.certificate, rows=rows))
     assert list(slower_warnings(read_scenario(NAME), raised, (), None)) == []
+
+
+@pytest.mark.parametrize(("linear", "warned"), [(0.0041, False), (0.0039, True)])
+def test_heights_that_turns_drive_are_told(found, judgement: Judgement, linear: float, warned: bool) -> None:
+    rows = tuple(
+        replace(row, worst_value=0.012, linear_value=linear) if row.id == ("slosh height", "cup") else row
+        for row in judgement.certificate.rows
+    )
+    warnings = found(certificate=replace(judgement.certificate, rows=rows))
+    assert (("driven by turns", "cup") in warnings) == warned
+    if warned:
+        text = warnings["driven by turns", "cup"].text
+        assert "of a height of 12 mm waves of first order are 3.9 mm" in text and "verify DIR --water" in text

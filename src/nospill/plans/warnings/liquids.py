@@ -40,6 +40,9 @@ USUAL_VISCOSITY = (2e-7, 1e-3)
 USUAL_SURFACE_TENSION = (0.008, 0.1)
 """N/m; from fluorinated liquids to brines. 0 leaves the surface tension out and is no figure of a liquid."""
 
+MOST_OVER_LINEAR, MATTERS = 3.0, 0.5
+"""Height of second order over the linear one, up to which it is believed; and over its limit, below which nobody asks."""
+
 _ROUNDING = 1e-9
 """Of the freeboard, and m."""
 
@@ -69,6 +72,19 @@ def crest(facts: Facts) -> Iterator[PlanWarning]:
                 f"which {believed}; a smaller max_slosh_height keeps to it."
             )
             yield PlanWarning("crest", cargo.name, text, value, limit)
+
+
+def driven_by_turns(facts: Facts) -> Iterator[PlanWarning]:
+    """The second order is much more than the first: turns of the tray drive it, and what comes next is not small."""
+    for row in facts.judgement.certificate.rows:
+        linear = row.linear_value
+        if linear is not None and row.worst_value > max(MOST_OVER_LINEAR * linear, MATTERS * row.limit):
+            text = (
+                f"of a height of {_mm(row.worst_value)} waves of first order are {_mm(linear)}; turns of the tray "
+                "drive the rest, and the second order is not believed where it is more than twice the "
+                "first; see nospill verify DIR --water, and try a smaller motion.max_tilt or a longer motion.duration."
+            )
+            yield PlanWarning("driven by turns", row.subject, text, row.worst_value / linear, MOST_OVER_LINEAR)
 
 
 def sloping_wall(facts: Facts) -> Iterator[PlanWarning]:
