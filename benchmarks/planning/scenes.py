@@ -152,6 +152,8 @@ def unseen(name: str) -> Scene:
 
 
 def _table(name: str) -> dict[str, Any]:
+    """As in the published problem: one mode, and linear heights."""
     table: Any = ns.load(name).source
     table.setdefault("planning", {})["slosh_modes"] = 1
+    table.setdefault("motion", {})["slosh_height"] = "linear"
     return table

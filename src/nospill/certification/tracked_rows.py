@@ -38,6 +38,8 @@ _WHOLE = 0.008
 """s, of which every replay has a whole number, so that instants of one are instants of another."""
 _SLOW_RATE = 250.0
 """Hz, of the steps of liquids with few modes, at least."""
+_LEAST_FREEBOARD = 1e-4
+"""m."""
 _MODES = 3
 """Of a liquid, with which differences between replays are made."""
 
@@ -54,7 +56,8 @@ class Followed:
         record: the plan, until the joints stand.
         motion: what the joints do where the arm tracks as it is stated.
         near: rows of the pairs of bodies that come near their limits.
-        freeboards: of every liquid, from its level to where the plane of its crest meets the rim, m.
+        freeboards: of every liquid, from its level to where the plane of its crest meets the rim, less what the second
+            order adds to its height as planned, m.
         rate: of the replays, Hz.
         few_modes: whether each liquid has few of its modes.
     """
@@ -79,7 +82,7 @@ class Followed:
         """A run of a scene, with its reserves."""
         near = tuple(row for row in rows if row.constraint == Clearance.name and row.worst_margin < _NEAR)
         alone = of_joints_alone(replace(scene, cargo=hull_objects(scene)))
-        return cls(alone, run.record, run.motion or run.record.motion, near, _freeboards(alone))
+        return cls(alone, run.record, run.motion or run.record.motion, near, _freeboards(alone, rows))
 
     @property
     def joints(self) -> int:
@@ -184,10 +187,12 @@ class Followed:
         return trace.use if constraint.role is Role.CONTACT else None
 
 
-def _freeboards(scene: Scene) -> dict[str, float]:
-    """Crest at which each liquid reaches its rim, m: as it is for the crest that is allowed."""
+def _freeboards(scene: Scene, rows: Sequence[Row]) -> dict[str, float]:
+    """Linear crest at which each liquid reaches its rim, m: as it is for the crest that is allowed."""
+    added = {row.subject: row.worst_value - row.linear_value for row in rows if row.linear_value is not None}
     allowed = {item.name: item.filling.max_slosh_height for item in scene.cargo if item.filling is not None}
-    return {item.subject: allowed[item.subject] + item.edge.below_rim for item in rims_below(scene, allowed)}
+    free = {item.subject: allowed[item.subject] + item.edge.below_rim for item in rims_below(scene, allowed)}
+    return {name: max(height - added.get(name, 0.0), _LEAST_FREEBOARD) for name, height in free.items()}
 
 
 def worst_of(uses: Uses) -> tuple[float, RowId]:

@@ -41,7 +41,7 @@ USUAL_SURFACE_TENSION = (0.008, 0.1)
 """N/m; from fluorinated liquids to brines. 0 leaves the surface tension out and is no figure of a liquid."""
 
 MOST_OVER_LINEAR, MATTERS = 3.0, 0.5
-"""Height of second order over the linear one, up to which it is believed; and over its limit, below which nobody asks."""
+"""Height of second order over the linear one, up to which it is believed; over its limit, below which nobody asks."""
 
 _ROUNDING = 1e-9
 """Of the freeboard, and m."""
