@@ -37,6 +37,11 @@ def one_mode(name: str, *settings: str) -> Scene:
     return scene if scene.slosh_modes == 1 else read_scenario(name, settings=["planning.slosh_modes=1", *settings])
 
 
+def with_linear_heights(scene: Scene) -> Scene:
+    """The scene as it was before heights of second order, for tests of the linear law."""
+    return replace(scene, motion=replace(scene.motion, slosh_height="linear"))
+
+
 def joint_paths_of(scene: Scene, *, samples: int = 101) -> list[JointPath]:
     """Every joint motion that carries the scene's level tray along its path."""
     return joint_paths(scene.robot, scene.path, tool=scene.tray.tool, samples=samples)

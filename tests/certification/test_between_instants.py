@@ -17,6 +17,7 @@ from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.scene import Scene
+from tests.builders import with_linear_heights
 from tests.motions import SmoothMotion
 
 OBJECT = [EvaluationPoint.OBJECT]
@@ -24,9 +25,9 @@ OBJECT = [EvaluationPoint.OBJECT]
 
 @pytest.fixture(scope="module")
 def fast(smooth_motion: Callable[..., SmoothMotion]) -> tuple[Trajectory, Scene]:
-    """A motion of two cups."""
+    """A motion of two cups; their heights are linear, which are looked at between the instants."""
     motion = smooth_motion("matrix-liquid-tilt", cargo=2, stretch=1.0)
-    return motion.trajectory, motion.scene
+    return motion.trajectory, with_linear_heights(motion.scene)
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,7 @@ def test_published_physics_are_linear_as_ever() -> None:
             {"cargo.cup.contact_line": "free"},
             "slosh height of cup: linear, since the flow leaves surface tension out, and a contact line is stated",
         ),
+        ("mixed-tray", {"cargo.cup.liquid_height": "9 mm"}, "slosh height of cup: linear, since it is shallower than"),
         (
             "mixed-tray",
             {"cargo.cup.initial_swing": _SWING, "cargo.mug.initial_swing": _SWING},

@@ -33,6 +33,8 @@ def linear_since(cargo: Cargo) -> str | None:
     if cargo.filling is None or cargo.filling.lid:
         return None
     swing, reason = cargo.filling.initial_swing, unsupported(cargo)
+    if reason is None and cargo.filling.shallow:
+        return "it is shallower than it may rise"
     if reason is None and swing is not None and not swing.to_second_order:
         return "its swing at the beginning is known to the first order alone"
     return reason
