@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.scene.heights import linear_since, to_second_order
 from nospill.scene.scene import Scene
 
@@ -38,7 +39,7 @@ def height_note(scene: Scene) -> str:
     for name, order in orders.items():
         if order != SECOND:
             alike.setdefault(order, []).append(titles[name])
-    return "; ".join(f"slosh height{_of(names, len(orders))}: {order}" for order, names in alike.items())
+    return "; ".join(f"{SloshHeight.name}{_of(names, len(orders))}: {order}" for order, names in alike.items())
 
 
 def _of(names: list[str], count: int) -> str:
