@@ -42,6 +42,12 @@ def height_note(scene: Scene) -> str:
     return "; ".join(f"{SloshHeight.name}{_of(names, len(orders))}: {order}" for order, names in alike.items())
 
 
+def height_sentence(scene: Scene) -> str:
+    """The same as a sentence to be put behind others, with the space before it."""
+    note = height_note(scene)
+    return f" {note[:1].upper()}{note[1:]}." if note else ""
+
+
 def _of(names: list[str], count: int) -> str:
     if len(names) == count:
         return ""

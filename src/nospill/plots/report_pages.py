@@ -10,6 +10,7 @@ import matplotlib
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from nospill.certification.height_order import height_note
 from nospill.certification.wording import full_model_note, verdict_line
 from nospill.plots.evidence import Evidence
 from nospill.plots.figures import REPORT_FIGURES
@@ -73,7 +74,8 @@ def _heading(evidence: Evidence) -> Figure:
     """Name, verdict in a box, headline figures."""
     scene, certificate = evidence.plan.scene, evidence.judgement.certificate
     said = textwrap.wrap("; ".join(filter(None, (evidence.limiting_text, evidence.plan.savings_text))), 95)
-    beyond = textwrap.wrap(full_model_note(certificate), 144)
+    notes = full_model_note(certificate), height_note(scene)
+    beyond = [line for note in notes for line in textwrap.wrap(note[:1].upper() + note[1:], 144)]
     below = 0.9 + _LINE * max(len(said) - 2, 0)
     foot = max(0.98, below + _LINE * len(beyond) + 0.02)
     height = _HEADING + foot - 0.98
@@ -96,7 +98,7 @@ def _heading(evidence: Evidence) -> Figure:
     for line, words in enumerate(said):
         write(2.5, 0.625 + _LINE * line, words, size=6.8)
     for line, words in enumerate(beyond):
-        write(0.12, below + _LINE * line, words[:1].upper() + words[1:] if line == 0 else words, size=6.8)
+        write(0.12, below + _LINE * line, words, size=6.8)
     shown = tiles(evidence)[:MOST_IN_A_ROW]
     for index, tile in enumerate(shown):
         x = TEXT_WIDTH * index / len(shown)

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
-from nospill.certification.height_order import height_note
+from nospill.certification.height_order import height_sentence
 from nospill.certification.verdict import Certificate
 from nospill.certification.wording import describe, finding, full_model_note, integrity_line, row_text
 from nospill.execution.executed import Executed
@@ -24,7 +24,6 @@ from nospill.plots.tiles import Tile, liquid_tiles, tiles
 from nospill.report.executed_run import ExecutedRun, executed_run
 from nospill.report.second_opinion import NOT_ASKED, SecondOpinion
 from nospill.report.task import cargo_table, joint_table, task_table
-from nospill.scene.scene import Scene
 
 NOT_PROVEN = (
     ("That the robot does it", "The commanded motion is judged. Tracking error, filters in a controller and a tray "
@@ -114,7 +113,7 @@ def make_report(
         evidence=evidence,
         ok=certificate.ok,
         verdict=certificate.word,
-        detail=detail + _heights(scene) + _beyond(certificate) + _survives(plan),
+        detail=detail + height_sentence(scene) + _beyond(certificate) + _survives(plan),
         tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
         checksum=digest,
@@ -135,12 +134,6 @@ def _beyond(certificate: Certificate) -> str:
         return ""
     by = "Judged by the published equations; " if certificate.published else ""
     return f" {by}{note if by else note[:1].upper() + note[1:]}."
-
-
-def _heights(scene: Scene) -> str:
-    """Which slosh heights are linear, as a sentence; empty where none is, or as published."""
-    note = height_note(scene)
-    return f" {note[:1].upper()}{note[1:]}." if note else ""
 
 
 def _survives(plan: Plan) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from nospill.certification.height_order import height_sentence
 from nospill.certification.verdict import Row
 from nospill.certification.wording import integrity_line, row_text
 from nospill.core.short_names import short_names
@@ -119,7 +120,8 @@ def details(
         report, count = plan.report, len(warning_lines(plan.warnings))
         more = f" {'1 warning' if count == 1 else f'{count} warnings'}: see Certificate." if count else ""
         text = (
-            f"{escape(plan.message)}{more} <span style='color:#555'>Planned in {report.plan_time:.2f} s, "
+            f"{escape(plan.message)}{more}{escape(height_sentence(plan.scene))} "
+            f"<span style='color:#555'>Planned in {report.plan_time:.2f} s, "
             f"{report.iterations} iterations.</span>"
         )
     return f"<div id='nospill-details' tabindex='-1' style='{_TEXT};{_SCROLLED}'>{text}</div>"
