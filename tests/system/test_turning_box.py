@@ -57,7 +57,8 @@ def crests(judgement: Judgement, scene: Scene) -> tuple[float, float]:
 
 
 def spot(modes: int) -> Scene:
-    return scene_of({"planning.slosh_modes": modes})
+    """The linear law is looked at, of all modes."""
+    return scene_of({"planning.slosh_modes": modes, "motion": {"slosh_height": "linear"}})
 
 
 def test_a_fast_turn_is_refused_for_what_its_water_does() -> None:

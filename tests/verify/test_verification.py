@@ -155,17 +155,19 @@ def test_film_shows_objects_where_the_engine_has_them(smooth_plan: Plan, folder:
 
 @pytest.mark.slow
 @pytest.mark.oracle
-@pytest.mark.parametrize("name", ["matrix-rigid", "matrix-liquid-tilt"])
+@pytest.mark.parametrize(("name", "short"), [("matrix-rigid", 0.75), ("matrix-liquid-tilt", 0.55)])
 def test_what_slides_is_found_when_friction_was_overstated_and_nothing_else(
-    name: str, example_plan: Callable[[str], Plan]
+    name: str, short: float, example_plan: Callable[[str], Plan]
 ) -> None:
     """One motion on a tray of more and of less friction than planned; with the reserve of 10 %, 0.75 is 17 % short.
+
+    The tilting tray needs nearly all of it for moments alone, in which cups slide by a tenth of a millimetre.
 
     The motion stays the same: planned anew for more friction, a tilting tray may need no more of it than there is.
     """
     planned = example_plan(name)
     scene, table = planned.scene, cast(Any, planned.scene.source)
     assert planned.certificate.ok
-    for factor, holds in ((1.2, True), (0.75, False)):
+    for factor, holds in ((1.2, True), (short, False)):
         real = with_friction(scene, factor * float(table["tray"]["friction"]))
         assert verify(replace(planned, scene=real)).ok is holds
