@@ -44,8 +44,8 @@ def smooth(scene: Scene, stretch: float = 0.8) -> Trajectory:
 
 
 def one_cup(name: str, **changes: Any) -> Scene:
-    """The first cup of an example with one mode on a coarser grid; other tolerances."""
-    table: Any = one_mode(name).source
+    """The first cup of an example with one mode on a coarser grid, heights linear; other tolerances."""
+    table: Any = one_mode(name, "motion.slosh_height=linear").source
     table["cargo"] = table["cargo"][:1]
     table["planning"] = table.get("planning", {}) | {"intervals": 50}
     if changes:
