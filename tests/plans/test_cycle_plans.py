@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -118,6 +119,15 @@ def test_a_leg_that_begins_in_other_joints_is_caught(copied: Path) -> None:
     shutil.copy(copied / leg_folder(0, "out") / "trajectory.csv", file)
     with pytest.raises((PlanFolderError, ScenarioError)):
         ns.judge_cycle(ns.load_cycle_plan(copied))
+
+
+def test_a_swing_that_late_joints_leave_is_not_known() -> None:
+    before, on = small_plan().legs
+    late = before.scene.changed(
+        {"fidelity": "full", "planning.slosh_modes": 1, "tolerance": {"tracking": {"delay": "4 ms"}}}
+    )
+    with pytest.raises(ScenarioError, match=r"tolerance\.tracking in there-and-back-out, the motion before: how late"):
+        ns.with_residual_slosh(on.scene, replace(before, scene=late))
 
 
 def test_commands_about_one_motion_name_the_folder_of_a_leg(folder: Path, tmp_path: Path) -> None:

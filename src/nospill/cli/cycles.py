@@ -8,6 +8,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from nospill.cli.notes import say_notes
 from nospill.cli.progress import FILES, PLANNING_STEPS, ProgressLine
 from nospill.cli.reporting import one_line, only_stderr, print_json
 from nospill.cli.tables import print_lines, print_table, print_verdict, say
@@ -37,6 +38,7 @@ def plan_legs(
         if output is not None:
             require_replaceable(output, replaceable=is_cycle_folder)
         cycle = load_cycle(scenario, settings=settings)
+        say_notes(cycle.legs[0].scene)
         try:
             planned = plan_cycle(cycle, progress=progress.show, said=lambda name: say(f"leg {name}"))
         except (ScenarioError, NoSolutionError) as error:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nospill.cli.checking import print_certificate, print_warnings
+from nospill.cli.notes import say_notes
 from nospill.cli.progress import FILES, LOADING, PLANNING_STEPS, ProgressLine
 from nospill.cli.reporting import one_line, only_stderr, print_json
 from nospill.cli.run_options import seconds
@@ -73,10 +74,8 @@ def plan(
         return plan_legs(scenario, output, settings=settings or (), figures=figures, as_json=as_json, refused=refused)
     with only_stderr() if as_json else nullcontext(), ProgressLine(PLANNING_STEPS) as progress:
         from nospill.core.files import require_replaceable
-        from nospill.core.units import listed
         from nospill.plans.loading import load_plan, require_no_own_limits
         from nospill.plans.names import SUMMARY_FILE, is_plan_folder
-        from nospill.robots.description.limits import unlimited
         from nospill.scenario import read_scenario
 
         if report and output is None:
@@ -85,18 +84,7 @@ def plan(
             require_replaceable(output, replaceable=is_plan_folder)
         require_no_own_limits(scenario)
         scene = read_scenario(scenario, settings=settings or ())
-        for note in scene.robot.notes:
-            say(f"{scene.robot.name}: {one_line(note)}")
-        for doubt in scene.robot.doubts:
-            say(f"{scene.robot.name}, {doubt.about}: {one_line(doubt.text)}")
-        if "urdf" in scene.source["robot"] and (kinds := unlimited(scene.robot)):
-            keys = listed([f"limits.{kind}" for kind in kinds], last="and")
-            say(
-                f"{scene.robot.name}: no limit of joint {listed(kinds, last='and')} is known, and none is kept; {keys} "
-                "under [robot] state them"
-            )
-        for note in scene.path.notes:
-            say(f"path: {one_line(note)}")
+        say_notes(scene)
         before = None if after is None else load_plan(after)
         if before is not None:
             from nospill.plans.rows import with_residual_slosh

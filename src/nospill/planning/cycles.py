@@ -16,12 +16,14 @@ from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.rows import with_residual_slosh
 from nospill.plans.settling import settling_time
 from nospill.scenario.cycles import load_cycle, with_dwells
+from nospill.scenario.leg_entry import LONGEST_DWELL
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.cycle import Cycle, CycleLeg
 from nospill.scene.scene import Scene
 
 _MOST_DWELLS = 12
 """Dwells that are tried where the shortest is asked for: three periods of the slowest liquid."""
+_CURE = 'Its liquids swing on from the leg before: give that one a longer dwell, or dwell = "shortest".'
 
 
 def plan_cycle(
@@ -63,11 +65,14 @@ def plan_cycle(
 
 def _planned(leg: CycleLeg, before: Plan | None, first: Plan | None, progress: OnProgress | None) -> Plan:
     """The plan of a leg after another one; `first` is that of the first leg, where this is the last."""
+    swings = False
     try:
         scene = leg.scene if before is None else with_residual_slosh(leg.scene, before)
+        swings = any(item.filling is not None and item.filling.initial_swing is not None for item in scene.cargo)
         return plan(scene if first is None else _back_to(first, scene), progress=progress)
     except (ScenarioError, NoSolutionError) as error:
-        raise type(error)(f'leg "{leg.name}": {error}', error.reason) from error
+        helps = f" {_CURE}" if swings and isinstance(error, NoSolutionError) else ""
+        raise type(error)(f'leg "{leg.name}": {error}{helps}', error.reason) from error
 
 
 def _back_to(first: Plan, scene: Scene) -> Scene:
@@ -100,9 +105,19 @@ def _quarter_period(scene: Scene) -> float:
 
 
 def _until_settled(planned: Plan, leg: CycleLeg) -> float:
-    """The dwell after which what stays on the tray is at rest, s."""
+    """The dwell after which what stays on the tray is at rest, s.
+
+    Raises:
+        NoSolutionError: it is longer than a dwell may be.
+    """
     stays = tuple(item for item in planned.scene.cargo if item.name not in leg.unloaded)
-    return settling_time(replace(planned.scene, cargo=stays), planned.certificate)
+    dwell = settling_time(replace(planned.scene, cargo=stays), planned.certificate)
+    if dwell > LONGEST_DWELL:
+        raise NoSolutionError(
+            f'leg "{leg.name}": what stays on the tray rests after {dwell:.3g} s, and a dwell is at most '
+            f"{LONGEST_DWELL:g} s; unload it, or state a dwell"
+        )
+    return dwell
 
 
 def _dwelling(planned: Plan, dwell: float) -> Plan:

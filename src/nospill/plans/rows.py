@@ -88,8 +88,18 @@ def seam_fault(before: Plan, after: Plan) -> str:
 
 
 def swinging_after(scene: Scene, plan: Plan, wait: float) -> Scene:
-    """The scene with the swing that a plan's motion and a wait leave; raises as `swing_after`."""
+    """The scene with the swing that a plan's motion and a wait leave.
+
+    Raises:
+        ScenarioError: joints that may be late leave a swing that nobody knows, or as `swing_after`.
+        ModelError: the liquids cannot be integrated.
+    """
     left = swing_after(plan, wait, scene.cargo)
+    if plan.scene.tracking is not None and any(item.name in left for item in scene.cargo):
+        raise ScenarioError(
+            f"tolerance.tracking in {plan.scene.name}, the motion before: how late its joints are is open, and with it "
+            "the swing that is left; wait until the liquids are at rest, or leave tracking out"
+        )
     return scene.changed(
         {f"cargo.{item.name}.initial_swing": swing_table(left[item.name]) for item in scene.cargo if item.name in left}
     )

@@ -13,6 +13,8 @@ SHORTEST = "shortest"
 """The word for a dwell that is as short as the next leg bears."""
 EVERYTHING = "*"
 """Among names of objects: all that are on the tray."""
+LONGEST_DWELL = 60.0
+"""s."""
 MOST_LEGS = 50
 """Legs of a cycle."""
 
@@ -31,7 +33,7 @@ class LegTable(Table):
     motion: Annotated[dict[str, Any], Field(description="keys of [motion] that are others on this leg")] = default({})
     dwell: Annotated[
         float | str,
-        WordOr(word=SHORTEST, entry=Measured(dimension="time", at_least=0.0, at_most=60.0)),
+        WordOr(word=SHORTEST, entry=Measured(dimension="time", at_least=0.0, at_most=LONGEST_DWELL)),
         Field(
             description='how long the arm stands after it; "shortest": the first multiple of a quarter of the slowest '
             "liquid's period that the next leg bears"
