@@ -330,7 +330,8 @@ def test_schema_is_strict_and_plain() -> None:
     for table in tables:
         assert table["additionalProperties"] is False
         assert all("description" in key or "const" in key for key in table["properties"].values())
-    assert schema["required"] == ["robot", "tray", "path"]
+    assert schema["required"] == ["robot", "tray"]
+    assert schema["anyOf"] == [{"required": ["path"]}, {"required": ["leg"]}]  # one motion, or a cycle
     assert set(schema["$defs"]["CylinderTable"]["required"]) == {"name", "at", "shape", "radius", "height"}
 
 

@@ -63,8 +63,14 @@ def plan(
     wait: Annotated[str, typer.Option(metavar="TIME", help="Between that plan and this one.")] = "0 s",
 ) -> int:
     """Plan a scenario and certify the motion; with -o, write its folder. Exit code 0 only if certified."""
+    from nospill.core.files import require_replaceable
+    from nospill.plans.names import holds_a_plan, is_plan_folder
     from nospill.scenario.loading import has_legs
 
+    if report and output is None:
+        raise ScenarioError("--report is written beside the plan folder; name one with -o DIR")
+    if output is not None:
+        require_replaceable(output, replaceable=holds_a_plan)
     if has_legs(scenario):
         from nospill.cli.cycles import plan_legs
 
@@ -73,13 +79,10 @@ def plan(
         figures = not no_figures
         return plan_legs(scenario, output, settings=settings or (), figures=figures, as_json=as_json, refused=refused)
     with only_stderr() if as_json else nullcontext(), ProgressLine(PLANNING_STEPS) as progress:
-        from nospill.core.files import require_replaceable
         from nospill.plans.loading import load_plan, require_no_own_limits
-        from nospill.plans.names import SUMMARY_FILE, is_plan_folder
+        from nospill.plans.names import SUMMARY_FILE
         from nospill.scenario import read_scenario
 
-        if report and output is None:
-            raise ScenarioError("--report is written beside the plan folder; name one with -o DIR")
         if output is not None:
             require_replaceable(output, replaceable=is_plan_folder)
         require_no_own_limits(scenario)

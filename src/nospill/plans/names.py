@@ -32,3 +32,8 @@ CYCLE_NAMES = frozenset({SCENARIO_FILE, CERTIFICATE_FILE, CYCLE_FILE, LEGS_FOLDE
 def is_cycle_folder(names: set[str]) -> bool:
     """Whether a folder with these names in it was written as the plan of a cycle, and holds nothing foreign."""
     return CYCLE_FILE in names and names <= CYCLE_NAMES
+
+
+def holds_a_plan(names: set[str]) -> bool:
+    """Whether a folder with these names in it was written as the plan of a motion or of a cycle."""
+    return is_plan_folder(names) or is_cycle_folder(names)
