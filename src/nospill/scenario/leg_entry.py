@@ -36,7 +36,7 @@ class LegTable(Table):
         WordOr(word=SHORTEST, entry=Measured(dimension="time", at_least=0.0, at_most=LONGEST_DWELL)),
         Field(
             description='how long the arm stands after it; "shortest": the first multiple of a quarter of the slowest '
-            "liquid's period that the next leg bears"
+            "liquid's period that the next leg bears, on the last leg until what stays on is at rest"
         ),
     ] = 0.0
     unload: Annotated[
