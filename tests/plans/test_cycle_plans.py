@@ -20,6 +20,7 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.holds import held_trajectory
 from nospill.plans.cycle import leg_folder
 from nospill.plans.handover import exporter_named
+from nospill.plots.cycle import cycle_figure
 from tests.cycles import small_plan, there_and_back
 
 pytestmark = pytest.mark.slow
@@ -167,3 +168,14 @@ def test_a_program_that_states_one_payload_is_refused_for_a_load_that_changes(fo
     assert result.exit_code == 2 and "states one payload for the file" in result.stderr
     result = CliRunner().invoke(app, ["export", str(folder), "--format", "csv", "--points", "50"])
     assert result.exit_code == 2 and "without --points" in result.stderr
+
+
+def test_the_figure_has_every_liquid_on_every_leg_that_carries_it() -> None:
+    plan = small_plan()
+    heights, speeds = cycle_figure(plan).axes
+    drawn = [np.array(line.get_xydata()) for line in heights.lines]
+    lines = [line for line in drawn if len(line) > 2]  # the limit has two points
+    assert len(lines) == 3 and len(speeds.lines) == 2  # two cups out, one back
+    t = lines[-1][:, 0]
+    assert t[0] >= plan.times[1].begins and t[-1] == pytest.approx(plan.duration, abs=0.01)
+    assert max(line[:, 1].max() for line in lines) <= 100.0
