@@ -45,14 +45,14 @@ from nospill.transcription.starting_motions import motion_to_rest
 
 INTERVALS = 25
 """Of the grid; where liquids are in the problem with several modes, which are faster."""
-_PARTS = (0.5, 0.75)
+_PARTS = (0.5, 0.3, 0.75)
 """Of what is left of the plan: durations of the smooth motions from which a stop is looked for from afar."""
 _TIGHTENED, _MORE = 6, 0.005
 """How often back-off is raised, and by how much beyond what the judge found."""
 _MOST_BACKOFF = 0.9
 _OF_SUM = 0.3
 """First back-off of a residual height of several modes: the judge sums them, the optimiser adds their squares."""
-_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 40, 120, 30.0
+_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 60, 120, 30.0
 _EARLY, _AT_START = 0.12, np.array([1.0, 1.0, 0.0])
 """Part of a stop up to which a row that breaks is tightened there alone, and how that fades."""
 _SWINGS_ON = 1.0
