@@ -69,7 +69,7 @@ def test_resonances_above_the_one_survived_hold_and_the_next_fails(smooth_motion
     start, stop = followed.span
 
     def use(frequency: float) -> float:
-        rings = elastic(followed.motion, frequency, DAMPING, start, stop + 0.7)
+        rings = elastic(followed.motion, np.full(followed.joints, frequency), DAMPING, start, stop + 0.7)
         return worst_of(followed.rows(rings, after=0.35, at_end=False)[0])[0]
 
     assert found.size is not None

@@ -1,4 +1,4 @@
-"""Rows over a band of late arms: against every combination of joints, and drawn arms."""
+"""Rows over a band of arms: against every combination of late joints, and drawn arms."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy.signal import StateSpace, lsim
 
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.run import run_of
 from nospill.certification.tracked_rows import Followed
-from nospill.motion.tracking import late
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion, JointSamples
+from nospill.motion.tracking import Swinging, late
 from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
 from nospill.scene.tracking import Tracking
@@ -83,3 +85,62 @@ def test_a_band_in_words() -> None:
     assert Tracking(np.array([3e-3, 1e-3]), np.zeros(2)).text == "joints up to 3 ms late"
     assert Tracking(np.zeros(2), np.array([2e-3, 0.0])).text == "joints with a lag of up to 2 ms"
     assert Tracking(np.full(2, 3e-3), np.full(2, 2e-3)).text == "joints up to 3 ms late with a lag of up to 2 ms"
+
+
+def _rung(motion: JointMotion, frequency: np.ndarray, damping: float, start: float, stop: float) -> JointMotion:
+    """Elastic joints by the exact step of a library, x'' = w^2 (q - x) + 2 zeta w (q' - x'), from rest."""
+    t = np.arange(start, stop, 2.5e-4)
+    asked, speed = motion(t), motion(t, 1)
+    columns = []
+    for joint, rate in enumerate(2.0 * np.pi * frequency):
+        drive = rate**2 * (asked[:, joint] - asked[0, joint]) + 2.0 * damping * rate * speed[:, joint]
+        system = StateSpace([[0.0, 1.0], [-(rate**2), -2.0 * damping * rate]], [[0.0], [1.0]], [[1.0, 0.0]], 0.0)
+        columns.append(asked[0, joint] + lsim(system, drive, t)[1])
+    return QUINTIC_SPLINE.motion(JointSamples(t, np.column_stack(columns)))
+
+
+@pytest.fixture(scope="module")
+def ringing(motion: SmoothMotion) -> tuple[Scene, Judgement]:
+    scene = motion.scene.changed({"tolerance.tracking": {"resonance": ["6 Hz", "18 Hz"], "damping": 0.05}})
+    return scene, judge_motion(motion.trajectory, scene)
+
+
+def test_drawn_elastic_joints_use_no_more_than_the_band_says(
+    motion: SmoothMotion, ringing: tuple[Scene, Judgement]
+) -> None:
+    scene, judged = ringing
+    followed = Followed.of_run(run_of(motion.trajectory, None), scene, ())
+    assert judged.band is not None
+    draws = np.random.default_rng(5).uniform(size=(6, followed.joints))
+    start, stop = followed.span
+    worst: dict = {}
+    for natural in [np.full(followed.joints, 6.0), *(6.0 * 3.0**draws)]:
+        (played,) = followed.played([_rung(followed.motion, natural, 0.05, start, stop + 1.5)], after=1.0)
+        for trace in followed.traces(played):
+            worst[trace.id] = max(float(np.max(trace.use)), worst.get(trace.id, 0.0))
+    for row, use in worst.items():
+        assert use <= judged.band.use[row] + 0.01
+    planned = {row.id: row.use for row in judged.planned_rows}
+    assert max(worst[row] - planned[row] for row in worst) > 0.02
+
+
+def test_stiffer_joints_add_less(motion: SmoothMotion, ringing: tuple[Scene, Judgement]) -> None:
+    stiff = judge_motion(motion.trajectory, ringing[0].changed({"tolerance.tracking.resonance": "40 Hz"})).band
+    assert stiff is not None
+    assert ringing[1].band is not None
+    assert max(stiff.use.values()) < max(ringing[1].band.use.values())
+
+
+def test_every_sinusoid_uses_no_more_than_the_band_says(motion: SmoothMotion) -> None:
+    scene = motion.scene.changed({"tolerance.tracking": {"position": "0.5 mrad", "bandwidth": "5 Hz"}})
+    band = judge_motion(motion.trajectory, scene).band
+    followed = Followed.of_run(run_of(motion.trajectory, None), scene, ())
+    assert band is not None
+    joints, draw = followed.joints, np.random.default_rng(3)
+    for _ in range(12):
+        swing = Swinging(
+            followed.motion, np.full(joints, 5e-4), draw.uniform(0.5, 5.0, joints), draw.uniform(0.0, 6.3, joints)
+        )
+        (played,) = followed.played([swing])
+        for trace in followed.traces(played):
+            assert float(np.max(trace.use)) <= band.use[trace.id] + 0.01

@@ -317,7 +317,7 @@ def test_interval_covers_a_known_share_as_often_as_it_says() -> None:
 def test_arms_are_drawn_apart_from_the_objects() -> None:
     scene = one_mode("matrix-rigid")
     arms, _ = draw_arms(scene, ArmRanges(delay=0.01), 200, seed=5)
-    delay = np.array([own.delay for own in arms])
+    delay = np.array([own.controller.delay for own in arms])
     draws = draw([Ranges(), Ranges()], 200, seed=5)[:, 0]  # as many numbers a sample as there are of an arm
     correlation = np.corrcoef(np.hstack([delay, draws]), rowvar=False)[: delay.shape[1], delay.shape[1] :]
     assert np.abs(correlation).max() < 0.3
@@ -326,9 +326,22 @@ def test_arms_are_drawn_apart_from_the_objects() -> None:
 def test_drawn_arms_lie_within_their_ranges() -> None:
     scene = replace(read_scenario("matrix-liquid"), controller=Controller(np.full(6, 0.001), np.full(6, 0.02)))
     arms, after = draw_arms(scene, ArmRanges(delay=0.002, lag=0.005), 50, seed=1)
-    delay, lag = np.array([own.delay for own in arms]), np.array([own.lag for own in arms])
+    delay, lag = np.array([own.controller.delay for own in arms]), np.array([own.controller.lag for own in arms])
     assert np.min(delay) == 0.0 and 0.0025 < np.max(delay) <= 0.003
     assert 0.015 <= np.min(lag) < 0.016 and 0.024 < np.max(lag) <= 0.025
     assert after == pytest.approx(0.154)
     with pytest.raises(ScenarioError, match=r"range of lag = 1 s: 0 to 0.1 s are allowed"):
         ArmRanges(lag=1.0)
+
+
+def test_arms_of_a_band_ring_and_swing_within_it() -> None:
+    band = {"resonance": ["15 Hz", "40 Hz"], "damping": 0.1, "position": "1 mrad", "bandwidth": "4 Hz"}
+    arms, after = draw_arms(one_mode("matrix-rigid").changed({"tolerance.tracking": band}), None, 100, seed=3)
+    natural, swing, amplitude = (
+        np.array([getattr(own, name) for own in arms]) for name in ("frequency", "swing", "amplitude")
+    )
+    assert 15.0 <= np.min(natural) < 15.2 and 39.5 < np.max(natural) <= 40.0
+    assert np.median(natural) == pytest.approx(np.sqrt(15.0 * 40.0), rel=0.05)
+    assert np.max(swing) <= 4.0 and 9.5e-4 < np.max(amplitude) <= 1e-3
+    assert {own.damping for own in arms} == {0.1}
+    assert np.exp(-0.1 * 2.0 * np.pi * 15.0 * after) < 0.12  # the slowest has ended

@@ -16,6 +16,7 @@ from nospill.laws.constraints.base import Role, RowId
 from nospill.margins.laws import object_margins, simulate_arms
 from nospill.plans.plan import Plan
 from nospill.scene.controller import Controller
+from nospill.scene.tracking import Arm
 
 
 @pytest.mark.slow
@@ -34,7 +35,7 @@ def test_the_first_of_all_arms_fails_within_a_tenth_of_the_delay(
     shares = [np.array(share) for share in product((0.0, 1.0), repeat=followed.joints)][1:-1]
 
     def worst(delay: float) -> float:
-        arms = [Controller(delay * share, np.zeros_like(share)) for share in shares]
+        arms = [Arm.late(Controller(delay * share, np.zeros_like(share))) for share in shares]
         uses = []
         for motion in simulate_arms(plan.trajectory, scene, arms, after=delay):
             (own,) = object_margins(scene, [list(scene.cargo)], motion)

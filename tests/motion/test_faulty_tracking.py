@@ -50,7 +50,7 @@ def test_an_elastic_joint_solves_its_equation_of_motion(asked: JointMotion, freq
     start = np.concatenate([asked(np.zeros(1))[0], np.zeros(2)])
     t = np.linspace(0.0, 1.3, 90)
     found = solve_ivp(change, (0.0, 1.3), start, t_eval=t, rtol=1e-9, atol=1e-11, max_step=2e-3).y
-    motion = elastic(asked, frequency, damping, 0.0, 1.3)
+    motion = elastic(asked, np.full(2, frequency), damping, 0.0, 1.3)
     assert np.allclose(motion(t), found[:2].T, atol=2e-6)
     assert np.allclose(motion(t, 1), found[2:].T, atol=2e-4)
     pulls = np.array([change(at, state)[2:] for at, state in zip(t, found.T, strict=True)])
@@ -60,5 +60,5 @@ def test_an_elastic_joint_solves_its_equation_of_motion(asked: JointMotion, freq
 def test_a_stiff_joint_follows_its_motor(asked: JointMotion) -> None:
     """The offset tends to -q''/w^2."""
     t, rate = np.linspace(0.1, 0.9, 50), 2.0 * np.pi * 200.0
-    offset = elastic(asked, 200.0, 0.7, 0.0, 1.0)(t) - asked(t)
+    offset = elastic(asked, np.full(2, 200.0), 0.7, 0.0, 1.0)(t) - asked(t)
     assert np.allclose(offset, -asked(t, 2) / rate**2, atol=0.05 * np.max(np.abs(asked(t, 2))) / rate**2)

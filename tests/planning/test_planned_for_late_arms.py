@@ -10,7 +10,7 @@ from nospill.errors import NoSolutionError
 from nospill.laws.constraints.base import RowId
 from nospill.margins import margins
 from nospill.planning.planner import plan
-from nospill.planning.tracking_margins import heavier, next_margins
+from nospill.planning.tracking_margins import heavier, next_margins, rings_far
 from nospill.scenario import read_scenario
 from nospill.transcription.margins_along import Margin
 from tests.builders import one_mode
@@ -66,3 +66,20 @@ def test_jerks_weigh_more_only_for_heights_at_the_end() -> None:
     assert heavier(2.0, _band(slip=1.4).use.items()) == 2.0
     assert heavier(2.0, _band(residual_height=1.05).use.items()) == pytest.approx(2.5)
     assert heavier(2.0, _band(residual_height=9.0).use.items()) == pytest.approx(20.0)
+
+
+def test_jerks_weigh_more_for_any_row_where_joints_ring() -> None:
+    assert heavier(2.0, _band(slip=1.05).use.items(), rings=True) == pytest.approx(2.5)
+    assert rings_far(_band(slip=9.0), 10.0)
+    assert not rings_far(_band(slip=9.0), 1000.0)
+    assert not rings_far(_band(slip=1.1), 10.0)
+
+
+def test_objects_that_cannot_slosh_are_planned_for_joints_that_ring() -> None:
+    scene = read_scenario("matrix-rigid", settings=["tolerance.tracking.resonance=20 Hz"])
+    planned = plan(scene)
+    assert planned.certificate.ok
+    assert planned.judgement is not None
+    assert planned.judgement.band is not None
+    assert planned.judgement.band.largest >= 1.0
+    assert margins(planned, samples=40, seed=1).any_limit.count == 0

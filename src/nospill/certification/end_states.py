@@ -53,6 +53,13 @@ def added_at_end(
     return found
 
 
+def uses_at_end(scene: Scene, states: np.ndarray) -> dict[RowId, np.ndarray]:
+    """Use of the limit of every row on the final state in some states (m, 2, k) of the liquids."""
+    q, qd = np.ascontiguousarray(states[:, 0].T), np.ascontiguousarray(states[:, 1].T)
+    traces = evaluated_traces(scene, {EvaluationPoint.END: (np.arange(len(states)), [q, qd])})
+    return {trace.id: trace.use for trace in traces}
+
+
 def _played_on(scene: Scene, subject: str, state: np.ndarray, limit: float) -> float:
     """Use of a residual height by the free motion from a state (2, k)."""
     structure, numbers = structure_of(scene), numbers_of(scene)

@@ -249,7 +249,7 @@ def _resonance(plan: Looked) -> Survived:
     start, stop = few.span
 
     def worst(frequency: float) -> tuple[float, RowId]:
-        motion = elastic(few.motion, frequency, DAMPING, start, stop + 2.0 * _RING)
+        motion = elastic(few.motion, np.full(few.joints, frequency), DAMPING, start, stop + 2.0 * _RING)
         coarse = replace(few, rate=float(np.clip(_SAMPLES_OF_A_PERIOD * frequency, *_RATES)))
         return worst_of(coarse.rows(motion, after=_RING, at_end=False)[0])
 

@@ -1,37 +1,35 @@
-"""Rows over a band of arms that are late: how much more of every limit the worst of them uses, and when.
+"""Rows over a band of arms that are late, ring or are off: how much more of every limit the worst uses, and when.
 
 Two looks, of which the worse counts:
 
-- To the first order in the joints together: replays with one joint as early, and as late, as its band allows, the
-  others in the middle of theirs, say what that joint adds to every row at every instant; all joints together add at
-  most the sum. A lag is a delay to that order. Rows on the final state: see `end_states`.
-- Sampled: the combinations that bring the fullest rows nearest to their limits are replayed with their delays and lags.
-  Where one uses more than the sum says, what is added to that row is raised in proportion.
+- To the first order in the joints together: what each joint adds alone, instant by instant, all together add at most
+  the sum (`joints_off`).
+- Sampled: the combinations that bring the fullest rows nearest to their limits are replayed. Where one uses more than
+  the sum says, what is added to that row is raised in proportion.
 
-Nothing is proven beyond the first order, and of combinations that are not replayed.
+Nothing is proven beyond the first order, and of combinations and frequencies that are not replayed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.certification.end_states import added_at_end
-from nospill.certification.replay import Replay
+from nospill.certification.joints_off import Added, Late, Respect, respects, rest_after
 from nospill.certification.tracked_rows import Followed, Uses
 from nospill.certification.verdict import Row, Trace, margin_at, worst_row
 from nospill.laws.constraints.base import RowId
-from nospill.motion.interpolation import JointMotion
-from nospill.motion.tracking import late
+from nospill.motion.tracking import done_by
 from nospill.scene.controller import Controller
-from nospill.scene.tracking import Tracking
+from nospill.scene.tracking import Arm, Tracking
 
 _REPLAYED = 3
 """Combinations of joints that are replayed."""
 _CLEAR = 1e-9
 """Of a limit: a row that is added less than this is as planned."""
+_Found = Sequence[tuple[Respect, Added]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,13 +66,14 @@ def band_of(
     Raises:
         ModelError: the liquids cannot be integrated.
     """
-    first = _first_order(followed, tracking)
-    added, t = first.added, first.t
+    found = [(respect, respect.added(followed)) for respect in respects(tracking)]
+    t = followed.record.t
+    added = _together([own for _, own in found], t)
     planned = {trace.id: _with_variants(trace, corner_use, corner_times) for trace in traces if trace.id in added}
     bounds = {row: trace.use + _at(added[row], t, trace.t) for row, trace in planned.items()}
     replayed: list[Row] = []
-    for share in _worst_combinations(bounds, planned, first.signs, t):
-        rows = list(_combination(followed, tracking, share))
+    for arm in _worst_arms(bounds, planned, found):
+        rows = list(_of_arm(followed, tracking, arm))
         replayed += rows
         for row in rows:
             if row.id in bounds and row.use > np.max(bounds[row.id]):
@@ -119,81 +118,47 @@ def _at(added: np.ndarray, t: np.ndarray, times: np.ndarray) -> np.ndarray:
     return np.interp(times, own, added)
 
 
-@dataclass(frozen=True, slots=True)
-class _FirstOrder:
-    """What is added to every row, (m,), and the joints (n, m) that are late, 1, or early, 0, there; t (m,) in s."""
-
-    added: dict[RowId, np.ndarray]
-    signs: dict[RowId, np.ndarray]
-    t: np.ndarray
-
-
-def _first_order(followed: Followed, tracking: Tracking) -> _FirstOrder:
-    few, half = followed.with_few_modes(), tracking.latest / 2.0
-    start, stop = followed.span
-    after = float(np.max(tracking.latest))
-
-    def arm(off: np.ndarray) -> JointMotion:
-        return late(followed.motion, Controller(half + off, np.zeros_like(off)), start, stop)
-
-    uncertain = np.flatnonzero(half)
-    alone = half * (np.arange(len(half)) == uncertain[:, None])
-    replays = few.played([arm(0.0 * half), *map(arm, alone), *map(arm, -alone)], after=after)
-    (middle, *moved), (state, *ends) = few.during(replays), [_last(replay) for replay in replays]
-    behind, ahead = moved[: len(alone)], moved[len(alone) :]
-    last, first = (np.array([state] * len(half)) for _ in range(2))
-    last[uncertain], first[uncertain] = ends[: len(alone)], ends[len(alone) :]
-    added, found = {}, {}
-    for row, use in middle.items():
-        more, less = (np.array([own[row] for own in side]) for side in (behind, ahead))
-        added[row] = np.sum(np.maximum(np.maximum(more, less) - use, 0.0), axis=0)
-        found[row] = np.ones((len(half), len(use)))
-        found[row][uncertain] = more >= less
-    for row, (most, share) in added_at_end(few.scene, state, last, first).items():
-        added[row], found[row] = np.array([most]), share[:, None]
-    # the plan's clock: the middle of the band only shifts the time
-    t = replays[0].t - float(np.mean(half))
-    return _FirstOrder(added, found, t)
+def _together(found: Sequence[Added], t: np.ndarray) -> dict[RowId, np.ndarray]:
+    """What all respects add to every row at times t (m,), s; the most that is added after the last one counts there."""
+    sums: dict[RowId, np.ndarray] = {}
+    for own in found:
+        for row, added in own.added.items():
+            values = added
+            if len(added) > 1:
+                values = _at(added, own.t, t)
+                later = np.linspace(own.t[0], own.t[-1], len(added)) >= t[-1]
+                values[-1] = max(values[-1], np.max(added[later], initial=0.0))
+            sums[row] = sums.get(row, 0.0) + values
+    return sums
 
 
-def _last(played: Replay) -> np.ndarray:
-    """(2, k) displacements and velocities at the end."""
-    return np.stack([played.slosh_displacement[-1], played.slosh_velocity[-1]])
-
-
-def _worst_combinations(
-    bounds: Uses, planned: Mapping[RowId, Trace], signs: Uses, t: np.ndarray
-) -> Iterator[np.ndarray]:
-    """Which joints are late, (n,), where rows come nearest to their limits, the fullest first."""
-    found: list[np.ndarray] = []
+def _worst_arms(bounds: Uses, planned: Mapping[RowId, Trace], found: _Found) -> Iterator[Arm]:
+    """Arms that bring rows nearest to their limits, the fullest first."""
+    seen: list[list[np.ndarray]] = []
+    alone_late = len(found) == 1 and isinstance(found[0][0], Late)
     for row in sorted(bounds, key=lambda row: -float(np.max(bounds[row]))):
-        at = float(planned[row].t[int(np.argmax(bounds[row]))])
-        own = signs[row]
-        place = 0 if own.shape[1] == 1 else int(np.argmin(np.abs(np.linspace(t[0], t[-1], own.shape[1]) - at)))
-        share = own[:, place]
-        if 0 < np.sum(share) < len(share) and not any(np.array_equal(share, other) for other in found):
-            found.append(share)
-            yield share
-        if len(found) == _REPLAYED:
+        time = float(planned[row].t[int(np.argmax(bounds[row]))])
+        worst = [own.at(row, time) for _, own in found]
+        alike = any(all(map(np.array_equal, worst, other)) for other in seen)
+        # a delay that all joints share only shifts the time
+        if alike or (alone_late and np.ptp(worst[0]) == 0.0):
+            continue
+        seen.append(worst)
+        arm = Arm.late(Controller(np.zeros(len(worst[0])), np.zeros(len(worst[0]))))
+        for (respect, _), own in zip(found, worst, strict=True):
+            arm = respect.of(arm, own)
+        yield arm
+        if len(seen) == _REPLAYED:
             return
 
 
-def _combination(followed: Followed, tracking: Tracking, share: np.ndarray) -> Iterator[Row]:
-    """Rows where some joints have all of their delay and lag, the others none."""
-    arm = Controller(share * tracking.delay, share * tracking.lag)
-    names = [name for name, late_one in zip(followed.record.joints, share, strict=True) if late_one]
-    text = f"{', '.join(names)} late"
-    (played,) = followed.played([_played(followed, arm)], after=_after(arm))
+def _of_arm(followed: Followed, tracking: Tracking, arm: Arm) -> Iterator[Row]:
+    """Rows of one arm of the band."""
+    after, span = rest_after(tracking), followed.span
+    (played,) = followed.played([done_by(followed.motion, arm, *span, after + 0.05)], after=after)
+    text = arm.text(followed.record.joints)
     for trace in followed.traces(played):
         yield worst_row(replace(trace, variant=text))
-
-
-def _played(followed: Followed, arm: Controller) -> JointMotion:
-    return late(followed.motion, arm, *followed.span)
-
-
-def _after(arm: Controller) -> float:
-    return arm.latest + 6.0 * float(np.max(arm.lag))
 
 
 def _exceeded(trace: Trace, use: np.ndarray, variant: str) -> Trace:

@@ -174,7 +174,7 @@ def margins(
 
     Drawn are the scenario's tolerances, where it states any; else friction +-10 %, fill +-2 mm, damping x0.5 to x2,
     place +-1 mm and mass +-2 %. An option counts for all objects. Delay and lag of the arm are drawn where asked for,
-    and from tolerance.tracking where the scenario states it.
+    and all that tolerance.tracking states where the scenario states it.
     """
     with only_stderr() if as_json else nullcontext(), ProgressLine() as progress:
         from nospill.core.files import atomic_folder, require_replaceable

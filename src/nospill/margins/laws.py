@@ -30,11 +30,12 @@ from nospill.laws.scene_parameters import object_numbers, structure_of
 from nospill.laws.slosh.integrate import integrate
 from nospill.motion.control import commanded, followed
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion
+from nospill.motion.tracking import swung
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo
-from nospill.scene.controller import Controller
 from nospill.scene.heights import to_second_order
 from nospill.scene.scene import Scene
+from nospill.scene.tracking import Arm
 
 STEP = 1e-3
 """s; longest step of the integration, after each of which the margins are looked at."""
@@ -65,22 +66,21 @@ def tray_motion(trajectory: Trajectory, scene: Scene, *, after: float = 0.0) -> 
     return _sample(run.motion or trajectory.motion, scene, float(trajectory.t[0]), run.record.end_time + after)
 
 
-def simulate_arms(
-    trajectory: Trajectory, scene: Scene, arms: Iterable[Controller], *, after: float
-) -> Iterator[TrayMotion]:
+def simulate_arms(trajectory: Trajectory, scene: Scene, arms: Iterable[Arm], *, after: float) -> Iterator[TrayMotion]:
     """The tray's motion as each of some arms follows the command of a plan.
 
     Args:
         trajectory: the plan's.
         scene: with the controller that the command was made for.
-        arms: how the joints follow.
+        arms: how their joints follow.
         after: s that are added to the end, in which a late arm comes to rest.
     """
     samples = commanded(trajectory, scene.controller)
     command, span = QUINTIC_SPLINE.motion(samples), (float(samples.t[0]), float(samples.t[-1]))
     start, end = float(trajectory.t[0]), run_of(trajectory, scene.controller).record.end_time + after
     for arm in arms:
-        yield _sample(followed(command, arm, *span), scene, start, end)
+        drives = followed(command, arm.controller, *span)
+        yield _sample(swung(drives, arm, start - arm.controller.latest, end + STEP), scene, start, end)
 
 
 def _sample(motion: JointMotion, scene: Scene, start: float, end: float) -> TrayMotion:

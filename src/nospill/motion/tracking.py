@@ -18,6 +18,7 @@ from nospill.core.hermite import cubic_hermite, cubic_hermite_slope
 from nospill.motion.control import followed
 from nospill.motion.interpolation import JointMotion
 from nospill.scene.controller import Controller
+from nospill.scene.tracking import Arm
 
 _ELASTIC_RATE = 2000.0
 """Hz; of the grid on which an elastic joint is integrated, exactly for accelerations that are linear between."""
@@ -40,6 +41,35 @@ def late(motion: JointMotion, arm: Controller, start: float, stop: float) -> Joi
     return of
 
 
+def done_by(motion: JointMotion, arm: Arm, start: float, stop: float, after: float) -> JointMotion:
+    """What the joints of an arm make of a motion, on its own clock: late, then elastic, then beside it.
+
+    Args:
+        motion: that is asked for, at rest before `start` and after `stop`.
+        arm: the arm.
+        start: s.
+        stop: s.
+        after: s, how much longer it is looked at.
+    """
+    return swung(late(motion, arm.controller, start, stop), arm, start, stop + after)
+
+
+def swung(motion: JointMotion, arm: Arm, start: float, stop: float) -> JointMotion:
+    """What the transmissions of an arm, and what it is off besides, make of the motion of its drives.
+
+    Args:
+        motion: of the drives, at rest before `start`.
+        arm: the arm.
+        start: s.
+        stop: s, how far it is looked at.
+    """
+    if np.any(np.isfinite(arm.frequency)):
+        motion = elastic(motion, arm.frequency, arm.damping, start, stop)
+    if np.any(arm.amplitude):
+        motion = Swinging(motion, arm.amplitude, arm.swing, arm.phase)
+    return motion
+
+
 @dataclass(frozen=True, slots=True)
 class Swinging:
     """A motion with a sinusoid on every joint.
@@ -47,18 +77,18 @@ class Swinging:
     Attributes:
         motion: that is asked for.
         amplitude: (n,) rad.
-        frequency: Hz.
+        frequency: Hz, of all joints or (n,) of each.
         phase: (n,) rad, of the cosine at time 0.
     """
 
     motion: JointMotion
     amplitude: np.ndarray
-    frequency: float
+    frequency: np.ndarray | float
     phase: np.ndarray
 
     def __call__(self, t: np.ndarray, order: int = 0, /) -> np.ndarray:
         """The derivative of this order at times t (m,), s."""
-        rate = 2.0 * np.pi * self.frequency
+        rate = 2.0 * np.pi * np.asarray(self.frequency)
         angle = rate * t[:, None] + self.phase + order * np.pi / 2
         return self.motion(t, order) + self.amplitude * rate**order * np.cos(angle)
 
@@ -69,7 +99,7 @@ class Elastic:
 
     Attributes:
         motion: of the motors.
-        rate: natural angular frequency of every joint, rad/s.
+        rate: (n,) natural angular frequency of every joint, rad/s; zero where it is rigid.
         damping: damping ratio.
         t: (m,) grid of the integration, s.
         offset: (m, n) of the joints from the motors, rad.
@@ -77,7 +107,7 @@ class Elastic:
     """
 
     motion: JointMotion
-    rate: float
+    rate: np.ndarray
     damping: float
     t: np.ndarray
     offset: np.ndarray
@@ -95,23 +125,26 @@ class Elastic:
         if order == 1:
             return self.motion(t, 1) + velocity
         offset = cubic_hermite(u, width, values, slopes)
-        return -2.0 * self.damping * self.rate * velocity - self.rate**2 * offset
+        swung = -2.0 * self.damping * self.rate * velocity - self.rate**2 * offset
+        rigid = self.rate == 0.0
+        return np.where(rigid, self.motion(t, 2), swung) if np.any(rigid) else swung
 
 
-def elastic(motion: JointMotion, frequency: float, damping: float, start: float, stop: float) -> Elastic:
+def elastic(motion: JointMotion, frequency: np.ndarray, damping: float, start: float, stop: float) -> Elastic:
     """What elastic joints make of a motion.
 
     Args:
         motion: of the motors, at rest before `start`.
-        frequency: natural frequency of every joint, Hz.
+        frequency: (n,) natural frequency of every joint, Hz; infinite where it is rigid.
         damping: damping ratio, below 1.
         start: s.
         stop: s, how far it is looked at.
     """
-    rate = 2.0 * np.pi * frequency
     count = max(2, int(np.ceil((stop - start) * _ELASTIC_RATE)))
     t = np.linspace(start, stop, count + 1)
-    step, driven = float(t[1] - t[0]), -motion(t, 2)
+    step, swings = float(t[1] - t[0]), np.isfinite(frequency)
+    rate = 2.0 * np.pi * frequency[swings]
+    driven = -motion(t, 2)[:, swings]
     # With the complex state z = e' - conj(p) e, z' = p z + u: exact for u linear over a step. e = Im z / Im p.
     pole = rate * complex(-damping, np.sqrt(1.0 - damping**2))
     decay = np.exp(pole * step)
@@ -123,6 +156,9 @@ def elastic(motion: JointMotion, frequency: float, damping: float, start: float,
     while reach <= count:
         states[reach:] += decay**reach * states[:-reach].copy()
         reach *= 2
-    offset = np.imag(states) / pole.imag
-    velocity = np.real(states) + pole.real * offset
-    return Elastic(motion, rate, damping, t, offset, velocity)
+    offset, velocity = (np.zeros((len(t), len(frequency))) for _ in range(2))
+    offset[:, swings] = np.imag(states) / pole.imag
+    velocity[:, swings] = np.real(states) + pole.real * offset[:, swings]
+    return Elastic(
+        motion, np.where(swings, 2.0 * np.pi * np.where(swings, frequency, 0.0), 0.0), damping, t, offset, velocity
+    )

@@ -24,7 +24,7 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.planning.members import Members, backoff_by_order, relaxed_by_order, tightened, uses_of
 from nospill.planning.task import Task
 from nospill.planning.tightening import ROUGH, beyond_backoff, increased_jerk_weight, relaxed_backoff, shared_backoff
-from nospill.planning.tracking_margins import heavier, joining, lighter, next_margins, raised_backoff
+from nospill.planning.tracking_margins import heavier, joining, lighter, next_margins, raised_backoff, rings_far
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 from nospill.transcription.margins_along import Margin
@@ -179,12 +179,19 @@ class ActiveSet:
         first = not self.margins
         if following.scene is not self.scene or (first and _far_over(judgement)):
             return following  # what the arm does as it is stated comes first
-        names = following.names
+        names, tracking = following.names, self.task.scene.tracking
+        rings = tracking is not None and tracking.resonance is not None
+        factor = heavier(following.jerk_weight_factor, band.use.items(), rings=rings)
+        if rings and rings_far(band, following.jerk_weight_factor):
+            return replace(following, jerk_weight_factor=factor)
         margins = next_margins(self.margins, band, names, judgement.end_time)
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names)
-        factor = heavier(following.jerk_weight_factor, band.use.items())
         rows = following.rows | (joining(band, names) & following.possible)
         return replace(following, rows=rows, margins=margins, backoff=backoff, jerk_weight_factor=factor)
+
+    def with_less_margin(self) -> ActiveSet:
+        """The same with half of what rows keep along the motion: for a problem that has no answer with all of it."""
+        return replace(self, margins={row: replace(own, kept=0.5 * own.kept) for row, own in self.margins.items()})
 
     def _after(self, judgement: Judgement, slack: Mapping[RowId, float]) -> ActiveSet:
         """`after` for the arm as it is stated.

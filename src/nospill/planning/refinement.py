@@ -149,6 +149,8 @@ def _refine_until_certified(candidate: Candidate, log: Log) -> Judged:
             tightened += bool(active.margins) or active.jerk_weight_factor == before.active.jerk_weight_factor
             start = before.stages
             better = _tighten(before, active, log)
+            if better is None and active.margins is not before.active.margins:
+                better = _tighten(before, active.with_less_margin(), log)
             if better is None:
                 break
         else:

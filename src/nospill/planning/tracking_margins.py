@@ -1,4 +1,4 @@
-"""What a problem keeps back for arms that are late: margins along the motion, and smoother joints.
+"""What a problem keeps back for arms that are late or ring: margins along the motion, and smoother joints.
 
 Late joints add to a row what their jerks make of the delay, at each instant another share of the limit. So the judge's
 figures of one motion are the margins of the next problem, instant by instant. What the band adds to a height at the end
@@ -18,6 +18,7 @@ from nospill.errors import MOTION, NoSolutionError, Reason
 from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.scene.scene import Scene
+from nospill.scene.tracking import Tracking
 from nospill.scene.variants import VariantId
 from nospill.transcription.margins_along import Margin
 
@@ -27,6 +28,8 @@ _LIGHTEST, _HEAVIER, _HEAVIEST = 1.25, 10.0, 1e4
 """Factor on the weight of the jerks from round to round, at least and at most, and in all."""
 _LIGHTER = 3.0
 """By which it is divided where a motion holds."""
+_RINGS_FAR, _SMOOTH = 1.4, 100.0
+"""Use over a band of ringing joints above which the jerks alone weigh more, until their weight has this factor."""
 _JOINS = 0.9
 """Use over the band from which a row takes part."""
 _MORE, _LEAST, _STEP = 1.0, 5e-4, 0.03
@@ -102,16 +105,39 @@ def require_band(scene: Scene, judgement: Judgement, *, ended: bool) -> None:
     if not all(row.ok for row in judgement.planned_rows):
         return  # it is no motion for any arm
     worst, part = judgement.certificate.worst, band.largest
-    delay, lag = (1e3 * part * float(np.max(own)) for own in (tracking.delay, tracking.lag))
     raise NoSolutionError(
         f"No motion found that holds with {tracking.text}: {describe(worst)} in the best one, which holds up to "
-        f"{100 * part:.2g} % of that (delay {delay:.2g} ms, lag {lag:.2g} ms). State less in tolerance.tracking, or "
-        f"relax that limit.",
+        f"{100 * part:.2g} % of that{_part_of(tracking, part)}. State less in tolerance.tracking, or relax that limit.",
         Reason(MOTION, worst.constraint, worst.subject, excess=worst.use - 1.0),
     )
 
 
-def heavier(factor: float, uses: Iterable[tuple[RowId, float]]) -> float:
-    """Factor on the weights of the jerks: more where a height at the end is over its limit."""
-    over = max((use for row, use in uses if row.constraint in END_NAMES), default=0.0)
+def _part_of(tracking: Tracking, part: float) -> str:
+    """A part of a band in its own figures: " (delay 0.9 ms, lag 0.6 ms)"; empty where it is nothing of it.
+
+    What ringing adds to accelerations falls as its frequency rises.
+    """
+    late = (("delay", tracking.delay), ("lag", tracking.lag))
+    found = [f"{name} {1e3 * part * float(np.max(own)):.2g} ms" for name, own in late if np.any(own)]
+    if tracking.resonance is not None and part > 0.0:
+        found.append(f"resonances above about {tracking.resonance.lowest / min(part, 1.0):.2g} Hz")
+    if tracking.swing is not None:
+        found.append(f"position {1e3 * part * float(np.max(tracking.swing.amplitude)):.2g} mrad")
+    return f" ({', '.join(found)})" if found else ""
+
+
+def heavier(factor: float, uses: Iterable[tuple[RowId, float]], *, rings: bool = False) -> float:
+    """Factor on the weights of the jerks: more where a height at the end is over its limit; any row where joints ring.
+
+    Ringing is what steps of the jerk leave behind, and what smoother jerks do not.
+    """
+    over = max((use for row, use in uses if rings or row.constraint in END_NAMES), default=0.0)
     return min(min(max(over**2, _LIGHTEST), _HEAVIER) * factor, _HEAVIEST) if over > 1.0 else factor
+
+
+def rings_far(band: Band, factor: float) -> bool:
+    """Whether rows are so far over their limits that jerks of more weight come first, and may still gain something.
+
+    Margins of a motion that steps of the jerk let ring say nothing of one without them.
+    """
+    return max(band.use.values(), default=0.0) > _RINGS_FAR and factor < _SMOOTH

@@ -49,7 +49,9 @@ def _fault(detail: ErrorDetails, table: Mapping[str, Any]) -> Fault:
     table_model = _table_model("path") if model in PATH_TABLES.values() else model
 
     def owner(key: str) -> str | None:
-        tables = ((name, _table_model(name)) for name in Scenario.model_fields)
+        # the table around it comes first: whoever writes below [tolerance.tracking] means a tolerance
+        around = str(location[0])
+        tables = ((name, _table_model(name)) for name in (around, *Scenario.model_fields))
         return next(
             (name for name, other in tables if other not in (None, table_model) and key in keys_of(other)), None
         )
