@@ -9,6 +9,7 @@ for name, file, rate in (
     ("tray-csv", "two-cups.csv", 500.0),
 ):
     done = ns.hand_over(plan, name, file, rate=rate)
+    # points that are far apart are joined by the receiver's own curve, which is what is judged
     worst = done.certificate.worst
     print(f"{file}: {done.samples} samples at {done.rate:g} Hz for {done.exporter.receiver}")
     print(f"  {done.certificate.word}: {worst.constraint} of {worst.subject} {100 * worst.use:.1f} % of its limit")
