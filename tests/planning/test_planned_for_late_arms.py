@@ -71,7 +71,7 @@ def test_jerks_weigh_more_only_for_heights_at_the_end() -> None:
 def test_jerks_weigh_more_for_any_row_where_joints_ring() -> None:
     assert heavier(2.0, _band(slip=1.05).use.items(), rings=True) == pytest.approx(2.5)
     assert rings_far(_band(slip=9.0), 10.0)
-    assert not rings_far(_band(slip=9.0), 1000.0)
+    assert not rings_far(_band(slip=9.0), 1e4)
     assert not rings_far(_band(slip=1.1), 10.0)
 
 

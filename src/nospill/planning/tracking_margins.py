@@ -28,8 +28,8 @@ _LIGHTEST, _HEAVIER, _HEAVIEST = 1.25, 10.0, 1e4
 """Factor on the weight of the jerks from round to round, at least and at most, and in all."""
 _LIGHTER = 3.0
 """By which it is divided where a motion holds."""
-_RINGS_FAR, _SMOOTH = 1.4, 100.0
-"""Use over a band of ringing joints above which the jerks alone weigh more, until their weight has this factor."""
+_RINGS_FAR = 1.4
+"""Use over a band of ringing joints above which the jerks alone weigh more, as long as their weight may rise."""
 _JOINS = 0.9
 """Use over the band from which a row takes part."""
 _MORE, _LEAST, _STEP = 1.0, 5e-4, 0.03
@@ -140,4 +140,4 @@ def rings_far(band: Band, factor: float) -> bool:
 
     Margins of a motion that steps of the jerk let ring say nothing of one without them.
     """
-    return max(band.use.values(), default=0.0) > _RINGS_FAR and factor < _SMOOTH
+    return max(band.use.values(), default=0.0) > _RINGS_FAR and factor < _HEAVIEST
