@@ -63,6 +63,20 @@ def test_text(text: str, dimension: str, value: float) -> None:
     assert quantity(text, dimension) == value  # to the last bit: decimal factors are exact
 
 
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (1.0, 3, "1000 mm"),
+        (12.3456, 3, "12300 mm"),
+        (0.0123456, 3, "12.3 mm"),
+        (-1.0, 3, "-1000 mm"),
+        (1e9, 6, "1e+12 mm"),
+    ],
+)
+def test_few_digits_need_no_exponent(value: float, digits: int, text: str) -> None:
+    assert format_quantity(value, "length", digits=digits) == text
+
+
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(sorted(DIMENSIONS)))
 def test_numbers_are_si_and_pass_unchanged(value: float, dimension: str) -> None:
     assert quantity(value, dimension) == value

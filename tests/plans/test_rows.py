@@ -82,7 +82,8 @@ def test_other_places_objects_and_waits_are_refused(gentle_plan) -> None:
     after = scene_from_table({**before.scene.source, "path": path}, name="after")
     found = with_residual_slosh(after, before)
     assert found.cargo[0].filling is not None and found.cargo[0].filling.initial_swing == swing_after(before, 0.0)["c1"]
-    with pytest.raises(ScenarioError, match=r"mm and .* deg from where"):
+    assert with_residual_slosh(after, before, "200 ms") == with_residual_slosh(after, before, 0.2)
+    with pytest.raises(ScenarioError, match=r" \d+ mm and .* deg from where"):
         with_residual_slosh(before.scene, before)
     for wait in (-0.1, math.nan, math.inf):
         with pytest.raises(ScenarioError, match="at least 0 s"):
@@ -122,7 +123,7 @@ def test_out_wait_and_back(tmp_path) -> None:
     for part, name in ((out, "out"), (back, "back"), (found, "found")):
         part.save(tmp_path / name)
     for name, code in (("found", 0), ("back", 1)):
-        command = ["check", str(tmp_path / "out"), str(tmp_path / name), "--wait", "0.2 s"]
+        command = ["check", str(tmp_path / "out"), str(tmp_path / name), "--wait", "0.2"]
         assert CliRunner().invoke(app, command).exit_code == code
 
 

@@ -165,7 +165,11 @@ def test_tables_may_stand_in_a_dictionary_and_in_changes() -> None:
         (lambda: ns.load(ns.Motion()), r"a Scenario or a dictionary, not a value of type Motion$"),  # type: ignore[arg-type]
         (
             lambda: ns.Scenario(robot=ROBOT, tray=ns.Motion(), cargo=[CARGO["box"]], path=PATHS["arc"]),  # type: ignore[arg-type,list-item]
-            r"^Scenario: tray is not a table but Motion\(\)",
+            r"^Scenario: tray is not a table but Motion\(\).*, in Python Tray\(\.\.\.\)$",
+        ),
+        (
+            lambda: ns.Scenario(robot=ROBOT, tray=TRAY, cargo=CARGO["box"], path=PATHS["arc"]),  # type: ignore[arg-type]
+            r"^Scenario: cargo is one Box; write a list, cargo=\[Box\(\.\.\.\)\]$",
         ),
     ],
 )

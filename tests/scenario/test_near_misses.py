@@ -26,6 +26,7 @@ from nospill.scenario.other_names import _ELSEWHERE, _HERE
         ("robot.limits.max_acceleration=5", "the key is acceleration$"),
         ("tray.mu=0.4", "the key is friction$"),
         ("gravity=1.6", r"gravity is 9\.80665 m/s\^2 always$"),
+        ("cargo.c1.liquid=coffee", 'liquid "coffee" is unknown; .*; coffee moves like "hot-water"'),
         ("cargo.c1.liquid=Water", 'liquid "Water" is unknown; .*; did you mean "water"'),
         ("cargo.c1.liquid=light_oil", 'did you mean "light-oil"'),
         ("robot.model=UR5e", "did you mean 'ur5e'"),

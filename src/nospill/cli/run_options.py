@@ -106,11 +106,12 @@ def assigned(option: str, given: Sequence[str], example: str) -> dict[str, str]:
 
 
 def seconds(text: str) -> float:
-    """A time as an option gives it, s.
+    """A time as an option gives it: text with a unit, or a number of seconds.
 
     Raises:
         ScenarioError: it is no time.
     """
-    from nospill.core.units import quantity
+    from nospill.core.units import number_written, quantity
 
-    return quantity(text, "time")
+    number = number_written(text)
+    return quantity(text if number is None else number, "time")

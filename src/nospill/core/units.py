@@ -30,6 +30,8 @@ class Dimension:
 
 
 _DEGREE = math.pi / 180.0
+_PLAIN = 1e9
+"""Numbers below are written without an exponent, however few digits of them count."""
 _ONE = Decimal(1)
 _MILLI = Decimal("1e-3")
 _MICRO = Decimal("1e-6")
@@ -138,6 +140,8 @@ def format_quantity(value: float, dimension: str, *, digits: int = 6, unit: str 
     kind = DIMENSIONS[dimension]
     shown = kind.shown if unit is None else unit
     number = f"{value / float(kind.units[shown]):.{digits}g}"
+    if "e+" in number and abs(float(number)) < _PLAIN:
+        number = f"{float(number):.0f}"
     return f"{number} {shown}".rstrip()
 
 

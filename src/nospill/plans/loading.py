@@ -54,6 +54,8 @@ def load_plan(folder: str | Path, *, constraints: Iterable[Constraint] | None = 
 def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
     """The plan with its saved verdict; raises the same."""
     place = Path(folder)
+    if place.is_file():
+        raise PlanFolderError(f"{place}: is a file; give the folder that holds the plan")
     if not place.is_dir():
         raise PlanFolderError(f"{place}: no such folder; make one with nospill plan SCENARIO -o DIR")
     if (place / CYCLE_FILE).is_file():

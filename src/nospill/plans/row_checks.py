@@ -172,8 +172,8 @@ def _require_same_place(scene: Scene, plan: Plan) -> None:
     turn = abs(math.remainder(float(ours[3] - theirs[3]), 2.0 * math.pi))
     if distance > _SAME_PLACE or turn > _SAME_YAW:
         raise ScenarioError(
-            f"{scene.name}: the motion begins {1e3 * distance:.3g} mm and {math.degrees(turn):.3g} deg from where "
-            f"{plan.scene.name} ends; motions in a row share that place"
+            f"{scene.name}: the motion begins {format_quantity(distance, 'length', digits=3)} and "
+            f"{math.degrees(turn):.3g} deg from where {plan.scene.name} ends; motions in a row share that place"
         )
 
 

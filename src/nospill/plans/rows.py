@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from nospill.core.units import format_quantity
+from nospill.core.units import format_quantity, quantity
 from nospill.errors import ScenarioError
 from nospill.plans.plan import Plan
 from nospill.plans.row_checks import joint_fault, require_in_a_row
@@ -35,13 +35,13 @@ def swing_after(plan: Plan, wait: float, following: Sequence[Cargo] = ()) -> dic
     return swings_at(plan.trajectory, plan.scene, None, wait, following)[0]
 
 
-def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
+def with_residual_slosh(scene: Scene, plan: Plan, wait: float | str = 0.0) -> Scene:
     """The scene as it goes on from a plan: in the joints in which the arm stands, with the swing that is left.
 
     Args:
         scene: of the next motion, which begins where the plan's ends. Liquids that the plan does not have are at rest.
         plan: of the motion before it.
-        wait: s between the end of its motion, hold included, and the beginning of the next.
+        wait: between the end of its motion, hold included, and the beginning of the next; s, or text with a unit.
 
     Raises:
         ScenarioError: arm, base, tray or an object is another one than in the plan; the motion begins somewhere else,
@@ -55,7 +55,8 @@ def with_residual_slosh(scene: Scene, plan: Plan, wait: float = 0.0) -> Scene:
             "first, the plan before it second"
         )
     require_in_a_row(scene, plan)
-    return _beginning_where(swinging_after(scene, plan, wait), plan)
+    pause = quantity(wait, "time") if isinstance(wait, str) else wait
+    return _beginning_where(swinging_after(scene, plan, pause), plan)
 
 
 def judged_after(after: Plan, before: Plan, wait: float) -> tuple[Plan, str]:

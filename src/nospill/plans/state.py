@@ -107,7 +107,7 @@ def require_known_state(scene: Scene) -> None:
     if scene.motion.leaves_path:
         raise ScenarioError(
             f"{scene.name}: the tray may leave its path or turn on it, and a motion from the midst of the plan keeps "
-            "to its path; plan without corridor and with a given yaw"
+            "to its path; plan along a given path (not a free one), without corridor and with a given yaw"
         )
 
 

@@ -28,6 +28,9 @@ from nospill.scene.swing import Swing
 FREEBOARD_RESERVE = 0.1
 """Fraction of the way from the liquid at rest to the rim that is kept back where a scenario states none."""
 
+_MOVES_LIKE = {"coffee": "hot-water", "tea": "hot-water", "beer": "water", "cola": "water", "juice": "water"}
+"""What people carry -> the liquid of the table that moves as it does."""
+
 _SAME_MASS = 1e-9
 """Relative difference below which two masses count as equal."""
 
@@ -162,6 +165,8 @@ def _liquid(value: str | LiquidTable) -> Liquid:
     if value not in LIQUIDS:
         near = nearest(value, LIQUIDS)
         hint = f'; did you mean "{near}"?' if near else ""
+        like = _MOVES_LIKE.get(value.casefold())
+        hint = f'; {value} moves like "{like}"' if like else hint
         raise ScenarioError(
             f"liquid {as_written(value)} is unknown; choose {listed(tuple(LIQUIDS))}, "
             f"or give {{ density = ..., kinematic_viscosity = ... }}{hint}"

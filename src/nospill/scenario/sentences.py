@@ -97,7 +97,10 @@ def sentence(
         keys_of_it = (
             f"{{ {', '.join(f'{key} = ...' for key in keys_of(inner))} }}" if inner is not None else "in braces"
         )
-        return f"{subject} is not a table but {shown}; write its keys {keys_of_it} or under their own heading"
+        in_python = f", in Python {inner.__name__.removesuffix('Table')}(...)" if inner is not None else ""
+        return (
+            f"{subject} is not a table but {shown}; write its keys {keys_of_it} or under their own heading{in_python}"
+        )
     if kind in _SENTENCES:
         return f"{subject} {_SENTENCES[kind](shown, context)}"
     return f"{subject} {shown} is not accepted here ({kind})"

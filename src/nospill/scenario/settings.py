@@ -137,6 +137,8 @@ def _put(table: dict[str, Any], keys: Sequence[str | int], value: object, place:
 def _put_into_list(entries: list[Any], keys: Sequence[str | int], value: object, place: str, above: str) -> None:
     first, *rest = keys
     named = {str(entry["name"]): index for index, entry in enumerate(entries) if _is_named(entry)}
+    if first == EVERY and not rest and value is None:
+        raise ScenarioError(f'{place}: "{above}": None leaves out all of them, "{above}.NAME": None one')
     if first == EVERY and rest:
         tables = [entry for entry in entries if isinstance(entry, dict)]
         # where nobody states it, everybody is meant, and the reader names those that have no such key
@@ -179,7 +181,7 @@ def _entry_by_name(entry: Any, name: str, place: str) -> dict[str, Any]:
     """An entry under the name by which its place calls it."""
     given = entry.get("name", name)
     if given != name:
-        raise ScenarioError(f"{place}: its name is given as {as_written(given)}; leave name out, or change it alone")
+        raise ScenarioError(f"{place}: its name is given as {as_written(given)}; give {as_written(name)} there too")
     return {"name": name, **entry}
 
 

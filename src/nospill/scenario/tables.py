@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Generic, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, PrivateAttr, ValidationError
 
 from nospill.core.units import as_written
+from nospill.errors import ScenarioError
 from nospill.scenario.sentences import keys_of, refusal
 
 _Read = TypeVar("_Read", covariant=True)
@@ -42,6 +43,10 @@ else:
                 ScenarioError: a key is unknown or missing, or a value is not allowed.
             """
             keys = {name: key for key, name in keys_of(cls).items()}
+            for name, value in values.items():
+                if isinstance(value, Table) and _holds_several(cls, name):
+                    one = type(value).title()
+                    raise ScenarioError(f"{cls.title()}: {name} is one {one}; write a list, {name}=[{one}(...)]")
             given = cls.tags() | {keys.get(name, name): value for name, value in values.items() if value is not None}
             try:
                 table = super().__call__(**{key: plain(value, tables=False) for key, value in given.items()})
@@ -51,6 +56,12 @@ else:
                 raise refusal(error, label, cls) from None
             table._given = plain(given, tables=False)
             return table
+
+
+def _holds_several(model: type[BaseModel], name: str) -> bool:
+    """Whether a key of a table holds a list."""
+    annotation = model.model_fields[name].annotation if name in model.model_fields else None
+    return any(get_origin(one) in (list, tuple) for one in (annotation, *get_args(annotation)))
 
 
 Values = Sequence[float | str] | np.ndarray
