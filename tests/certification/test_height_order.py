@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nospill.certification.height_order import height_note, height_orders
-from nospill.certification.second_order import driven_states
+from nospill.certification.second_order import waves_along
 from nospill.errors import ModelError, ScenarioError
 from nospill.plans.swings import swing_table
 from nospill.scenario import read_scenario
@@ -98,4 +98,4 @@ def test_a_swing_of_more_modes_than_the_liquid_has_is_refused() -> None:
     (cup, *_) = read_scenario("mixed-tray").changed({"cargo.cup.initial_swing": many}).cargo
     body, none = np.zeros((9, 5)), np.zeros((5, len(cup.initial_coordinates[0])))
     with pytest.raises(ModelError, match=r'cargo "cup": initial_swing\.second_height has 99 modes; its liquid has 10'):
-        driven_states(cup, body, none, none, 5e-4)
+        waves_along(cup, body, none, none, 5e-4)

@@ -1,4 +1,4 @@
-"""Slosh heights of second order as the judge has them, against the flow that integrates both orders by itself."""
+"""Heights of second order as the judge has them, against the flow that integrates both orders by itself."""
 
 from __future__ import annotations
 
@@ -8,13 +8,17 @@ import numpy as np
 import pytest
 
 from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.second_order import AFTER_END, heights_after, waves_along, with_second_order
 from nospill.certification.wording import linear_heights_line
 from nospill.motion.at_speed import at_speed
 from nospill.planning.planner import plan
 from nospill.plans.warnings.second_order import motion_rows
-from nospill.potential_flow import second_order_along
+from nospill.potential_flow import driven, second_order_along
 from nospill.scenario import read_scenario
+from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
+from nospill.scene.sloshing.modes import STANDARD_GRAVITY
+from tests.waters import cup, free_wave, mode_like
 
 _CUPS = ("cup", "box")
 
@@ -43,16 +47,64 @@ def test_a_cup_crests_as_the_flow_has_it(both: tuple[Scene, Judgement, Judgement
     np.testing.assert_allclose(found - before, flow.second - flow.linear, atol=0.1 * added)
 
 
+def test_what_is_left_is_what_the_flow_leaves(both: tuple[Scene, Judgement, Judgement]) -> None:
+    """The flow has the linear modes without the paraboloid, integrated along with the second order."""
+    (scene, _, judgement), name = both, "cup"
+    cargo, replay = next(item for item in scene.cargo if item.name == name), judgement.replay
+    rows = motion_rows(replay, scene, cargo)
+    flow = second_order_along(cargo, rows, float(replay.t[0]), float(replay.t[-1]), after=AFTER_END)
+    (row,) = [row for row in judgement.certificate.rows if row.id == ("residual height", name)]
+    assert row.worst_value == pytest.approx(flow.after_end, rel=0.05)
+    course = heights_after(_with_order(scene), replay, np.linspace(0.0, 0.4, 81))[name]
+    assert course[0] == pytest.approx(_crests(judgement)[name][-1], abs=1e-5)
+    assert 0.5 * row.worst_value < np.max(course) < 1.005 * row.worst_value
+
+
+def test_free_waves_drive_a_second_order_of_their_own() -> None:
+    """Let go at 5 mm from a surface at rest: crests over the amplitude as the flow has them, in the linear decay."""
+    cargo, step = cup(), 2e-3
+    t = step * np.arange(501)
+    mode = cargo.oscillators[0]
+    columns = sum(len(item.directions) for item in cargo.oscillators)
+    body = np.zeros((9, 2))
+    body[8] = STANDARD_GRAVITY
+    start = np.zeros((2, columns))
+    start[:, 0] = 0.005 / mode.surface_gain
+    waves = waves_along(cargo, body, start, np.zeros_like(start), step)
+    course = waves.after(0, t, STANDARD_GRAVITY)
+    wave = free_wave(driven(cargo).terms.basin, _slowest(cargo, 0.005), t[-1])
+    expected = np.interp(t, wave.t, np.max((wave.first + wave.second)[:, 0] @ wave.basin.modes.wall_shape.T, axis=1))
+    fade = np.exp(-mode.damping * mode.frequency * t)
+    np.testing.assert_allclose(course.crests, fade * expected, atol=5e-4)  # where the crest changes sides, most
+    assert waves.highest_after(0, STANDARD_GRAVITY) > 1.05 * 0.005
+
+
+def _slowest(cargo: Cargo, height: float) -> np.ndarray:
+    basin = driven(cargo).terms.basin
+    start = np.zeros(len(basin.damping))
+    start[mode_like(basin, lambda x, y: x)] = height
+    return start
+
+
+def test_a_stop_is_held_to_what_the_modes_leave(both: tuple[Scene, Judgement, Judgement]) -> None:
+    scene, linear, judgement = both
+    stop = replace(_with_order(scene), motion=replace(_with_order(scene).motion, stop=True))
+    residual = tuple(trace for trace in linear.traces if trace.constraint == "residual height")
+    assert with_second_order(residual, stop, judgement.replay) == residual
+
+
 def test_the_linear_height_stays_beside_it(both: tuple[Scene, Judgement, Judgement]) -> None:
     _, linear, judgement = both
     plain = {row.id: row for row in linear.certificate.rows}
     for row in judgement.certificate.rows:
-        if row.constraint == "slosh height":
+        if row.constraint in ("slosh height", "residual height"):
             assert row.linear_value == pytest.approx(plain[row.id].worst_value, rel=1e-9)
+            assert row.limit == plain[row.id].limit and row.worst_margin == row.size - row.worst_value
         else:
             assert row == plain[row.id] and row.linear_value is None
     line = linear_heights_line(judgement.certificate.rows)
     assert line.startswith("slosh heights are of second order; linear: cup ")
+    assert line.count("(after the end ") == 3
     assert linear_heights_line(linear.certificate.rows) == ""
 
 

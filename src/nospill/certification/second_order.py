@@ -1,14 +1,15 @@
 """Slosh heights to the second order in the place of the linear ones, where a scene asks for them.
 
 The judge's own waves are the first order, as they are integrated on its grid with the mass of the first mode on its
-paraboloid; what they drive is added to their surface round the wall (`potential_flow.driven`). Forces and everything
-else stay those of the modes.
+paraboloid; what they drive is added to their surface round the wall (`potential_flow.driven`). After the end both
+orders swing on: the modes freely, and what they have driven at frequencies of its own beside what they still drive.
+Forces and everything else stay those of the modes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,50 +17,111 @@ from nospill.certification.replay import Replay
 from nospill.certification.verdict import Trace
 from nospill.core.units import as_written
 from nospill.errors import ModelError
+from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import structure_of
-from nospill.potential_flow import driven, rows_at, second_order_states
+from nospill.laws.slosh.residual import free_states
+from nospill.potential_flow import Driven, driven, rows_at, second_order_states
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.heights import to_second_order
 from nospill.scene.scene import Scene
 from nospill.scene.sloshing.modes import wall_gains
 
+AFTER_END = 4.0
+"""s after the end in which the surface of second order is looked at; what is left fades, if slowly, and in that time
+its waves of four and more frequencies have met in nearly every phase."""
+_STEP = 5e-3
+"""s between the instants then; a mode of 6 Hz reaches 0.4 % more than its highest sample."""
+
 
 def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> tuple[Trace, ...]:
-    """The traces, those of slosh heights on the grid of a replay to the second order where the scene asks for it."""
-    liquids = {
-        cargo.name: (cargo, modes)
-        for cargo, modes in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
-        if to_second_order(cargo, scene.motion.slosh_height)
-    }
+    """The traces, where the scene asks for it those of heights to the second order.
+
+    Slosh heights have the grid of the replay, residual heights instants from which the tray stands. What a stop leaves
+    stays that of the modes.
+    """
+    liquids, followed = _liquids(scene), dict[str, Waves]()
 
     def judged(trace: Trace) -> Trace:
-        cargo, modes = liquids[trace.subject]
-        q, qd = played.slosh_displacement[:, modes], played.slosh_velocity[:, modes]
-        value = crests_of_second_order(cargo, played.body, q, qd, 1.0 / played.rate)
-        return replace(trace, value=value, margin=trace.limit - value, linear=trace.value)
+        name = trace.subject
+        own = followed[name] = followed.get(name) or _waves(*liquids[name], played)
+        if trace.constraint == SloshHeight.name:
+            value = own.crests
+        else:
+            standing = np.clip(np.searchsorted(played.t, trace.t - 0.5 / played.rate), 0, len(played.t) - 1)
+            value = np.array([own.highest_after(int(index), scene.gravity) for index in standing])
+        return replace(trace, value=value, margin=np.abs(trace.limit) - value, linear=trace.value)
 
+    heights = {SloshHeight.name} if scene.motion.stop else {SloshHeight.name, ResidualHeight.name}
     return tuple(
-        judged(trace) if trace.constraint == SloshHeight.name and trace.subject in liquids else trace
-        for trace in traces
+        judged(trace) if trace.constraint in heights and trace.subject in liquids else trace for trace in traces
     )
 
 
-def crests_of_second_order(
-    cargo: Cargo, body: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, step: float
-) -> np.ndarray:
-    """Greatest heights (m,) round the wall of a cylinder, or in the corners of a box, above the rest level, m.
+def heights_after(scene: Scene, played: Replay, t: np.ndarray) -> dict[str, np.ndarray]:
+    """Of every liquid that is judged to the second order its greatest heights (n,) at even times after a replay, m."""
+    return {
+        name: _waves(cargo, modes, played).after(-1, t, scene.gravity).crests
+        for name, (cargo, modes) in _liquids(scene).items()
+    }
 
-    Arguments as of `second_order_surface`.
+
+def _liquids(scene: Scene) -> dict[str, tuple[Cargo, slice]]:
+    """The liquids that are judged to the second order, with the places of their slosh coordinates."""
+    pairs = zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
+    order = scene.motion.slosh_height
+    return {cargo.name: (cargo, modes) for cargo, modes in pairs if to_second_order(cargo, order)}
+
+
+def _waves(cargo: Cargo, modes: slice, played: Replay) -> Waves:
+    q, qd = played.slosh_displacement[:, modes], played.slosh_velocity[:, modes]
+    return waves_along(cargo, played.body, q, qd, 1.0 / played.rate)
+
+
+@dataclass(frozen=True, slots=True)
+class Waves:
+    """A liquid to the second order along a motion, at instants (m,).
+
+    Attributes:
+        cargo: whose liquid.
+        displacement: (m, k) of the modal masses, m.
+        velocity: (m, k) likewise, m/s.
+        added: (m, 2, J) heights, m, and own velocities, m/s, of the second order in each of its modes, as
+            `potential_flow.second_order_states` has them.
+        crests: (m,) greatest heights round the wall of a cylinder, or in the corners of a box, above the rest level, m.
     """
-    return second_order_surface(cargo, body, displacement, velocity, step)[0]
+
+    cargo: Cargo
+    displacement: np.ndarray
+    velocity: np.ndarray
+    added: np.ndarray
+    crests: np.ndarray
+
+    def after(self, index: int, t: np.ndarray, gravity: float) -> Waves:
+        """The same at even times (n,), s, since an instant from which the tray stands level."""
+        modes = [(mode.frequency, mode.damping) for mode in self.cargo.oscillators for _ in mode.directions]
+        frequency, damping = np.array(modes).T
+        free = free_states(frequency, damping, self.displacement[index], self.velocity[index], t)
+        rest = np.zeros((9, len(t)))
+        rest[8] = gravity
+        return waves_along(self.cargo, rest, *free, float(t[1] - t[0]), start=self.added[index])
+
+    def highest_after(self, index: int, gravity: float) -> float:
+        """Greatest height in the `AFTER_END` s since an instant from which the tray stands level, m."""
+        return float(np.max(self.after(index, _STEP * np.arange(round(AFTER_END / _STEP) + 1), gravity).crests))
 
 
-def second_order_surface(
-    cargo: Cargo, body: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, step: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """These heights, and what the second order adds in each of its modes (m, J), m.
+def waves_along(
+    cargo: Cargo,
+    body: np.ndarray,
+    displacement: np.ndarray,
+    velocity: np.ndarray,
+    step: float,
+    *,
+    start: np.ndarray | None = None,
+) -> Waves:
+    """The second order that a liquid's own waves drive.
 
     Args:
         cargo: whose liquid, at full fidelity.
@@ -67,35 +129,24 @@ def second_order_surface(
         displacement: (m, k) of the modal masses, m.
         velocity: (m, k) likewise, m/s.
         step: between the instants, s.
-    """
-    filling = cargo.filling
-    assert filling is not None  # `to_second_order` says so
-    own, liquid = _own_rows(cargo, body), driven(cargo)
-    added = driven_states(cargo, body, displacement, velocity, step)[:, 0]
-    linear, yaw = _linear_heights(filling, own, displacement)
-    modes = liquid.terms.basin.modes
-    half = np.max(np.abs(modes.wall), axis=0)
-    if isinstance(cargo.container, Cylinder):
-        where = slice(None)
-    else:
-        where = np.flatnonzero(
-            np.all(np.abs(modes.wall) > (1 - 1e-9) * half, axis=1)
-        )  # no yaw mode is higher elsewhere
-    surface = linear @ (modes.wall[where] / half).T + added @ modes.wall_shape[where].T
-    return np.max(surface, axis=1) + yaw, added
-
-
-def driven_states(
-    cargo: Cargo, body: np.ndarray, displacement: np.ndarray, velocity: np.ndarray, step: float
-) -> np.ndarray:
-    """States (m, 2, J) of the modes of second order, m and m/s, as `potential_flow.second_order_states` has them.
-
-    Arguments as of `second_order_surface`; they begin as the liquid's initial swing has them, or at rest.
+        start: (2, J) the second order at the first instant; when left out as the initial swing has it, or at rest.
 
     Raises:
         ModelError: that swing has more modes than the liquid.
     """
+    filling = cargo.filling
+    assert filling is not None  # `to_second_order` says so
+    own = rows_at(body, np.array([*cargo.position, 0.0]), cargo.yaw)
     liquid = driven(cargo)
+    begin = _beginning(cargo, liquid) if start is None else start
+    added = second_order_states(liquid, own, displacement, velocity, step, begin)
+    linear, yaw = _linear_heights(filling, own, displacement)
+    crests = np.max(_on_wall(cargo, liquid, linear, added[:, 0]), axis=1) + yaw
+    return Waves(cargo, displacement, velocity, added, crests)
+
+
+def _beginning(cargo: Cargo, liquid: Driven) -> np.ndarray:
+    """(2, J) the second order when a motion begins: as the liquid's initial swing has it, else at rest."""
     begin = np.zeros((2, len(liquid.terms.stiffness)))
     swing = None if cargo.filling is None else cargo.filling.initial_swing
     if swing is not None:
@@ -106,12 +157,17 @@ def driven_states(
                 f"{begin.shape[1]} of second order"
             )
         begin[:, :count] = swing.second_height, swing.second_velocity
-    return second_order_states(liquid, _own_rows(cargo, body), displacement, velocity, step, begin)
+    return begin
 
 
-def _own_rows(cargo: Cargo, body: np.ndarray) -> np.ndarray:
-    """Motion (9, m) of an object's bottom centre, in its axes."""
-    return rows_at(body, np.array([*cargo.position, 0.0]), cargo.yaw)
+def _on_wall(cargo: Cargo, liquid: Driven, linear: np.ndarray, added: np.ndarray) -> np.ndarray:
+    """Heights (m, V) of both orders at places of the wall, from those along x and y (m, 2) and of the modes (m, J)."""
+    modes = liquid.terms.basin.modes
+    half = np.max(np.abs(modes.wall), axis=0)
+    where: slice | np.ndarray = slice(None)
+    if not isinstance(cargo.container, Cylinder):  # of a box the corners: no yaw mode is higher elsewhere
+        where = np.flatnonzero(np.all(np.abs(modes.wall) > (1 - 1e-9) * half, axis=1))
+    return linear @ (modes.wall[where] / half).T + added @ modes.wall_shape[where].T
 
 
 def _linear_heights(filling: Filling, body: np.ndarray, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -71,8 +71,8 @@ def constraint_traces(
     }
     traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
     passing = passing_traces(scene, played) if EvaluationPoint.PASSING in points else ()
-    to_order = with_second_order(traces, scene, played)
-    return (*_at_end(to_order, scene, inputs[EvaluationPoint.END][1]), *passing)
+    of_modes = _at_end(traces, scene, inputs[EvaluationPoint.END][1])
+    return (*with_second_order(of_modes, scene, played), *passing)
 
 
 def motion_inputs(trajectory: Trajectory, scene: Scene, played: Replay) -> dict[EvaluationPoint, Inputs]:

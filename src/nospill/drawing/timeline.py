@@ -12,7 +12,7 @@ import numpy as np
 
 from nospill.certification.certificate import Judgement
 from nospill.certification.replay import Replay
-from nospill.certification.second_order import second_order_surface
+from nospill.certification.second_order import waves_along
 from nospill.core.frames import SX, body_motion
 from nospill.core.trees import constants
 from nospill.drawing.surfaces import liquid_surface
@@ -172,10 +172,10 @@ def _to_order(
         during = played.slosh_displacement[:, part], played.slosh_velocity[:, part]
         free = free_states(frequency, damping, during[0][-1], during[1][-1], later)
         q, qd = (np.concatenate(both) for both in zip(during, free, strict=True))
-        crests, added = second_order_surface(cargo, body, q, qd, step)
+        waves = waves_along(cargo, body, q, qd, step)
         track = liquids[cargo.name]
         found[cargo.name] = replace(
-            track, coordinates=np.column_stack([track.coordinates, added[at]]), height=crests[at]
+            track, coordinates=np.column_stack([track.coordinates, waves.added[at, 0]]), height=waves.crests[at]
         )
     return found
 

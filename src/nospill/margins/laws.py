@@ -15,7 +15,7 @@ import numpy as np
 from nospill.certification.after_end import residual_height
 from nospill.certification.replay import liquid_steps, tray_from_joints
 from nospill.certification.run import run_of
-from nospill.certification.second_order import crests_of_second_order
+from nospill.certification.second_order import waves_along
 from nospill.certification.traces import object_figures_function
 from nospill.certification.verdict import limit_use
 from nospill.core.batches import evaluate
@@ -130,7 +130,7 @@ def object_margins(scene: Scene, objects: Sequence[Sequence[Cargo]], motion: Tra
     ]
     order = scene.motion.slosh_height
     return tuple(
-        _to_second_order(own, drawn, own_states, motion) if to_second_order(drawn[0], order) else own
+        _to_second_order(own, drawn, own_states, motion, scene.gravity) if to_second_order(drawn[0], order) else own
         for own, drawn, own_states in zip(found, objects, states, strict=True)
     )
 
@@ -190,14 +190,21 @@ def _margins(
     return Margins(constraints, np.where(np.isnan(margin), -np.inf, margin), limit)
 
 
-def _to_second_order(found: Margins, objects: Sequence[Cargo], states: np.ndarray, motion: TrayMotion) -> Margins:
-    """The same with the slosh heights of second order in the place of the linear ones."""
+def _to_second_order(
+    found: Margins, objects: Sequence[Cargo], states: np.ndarray, motion: TrayMotion, gravity: float
+) -> Margins:
+    """The same with heights of second order, during the motion and after it, in the place of the linear ones."""
     margin, body = found.margin.copy(), motion.body[:, ::2]
-    column = [constraint.name for constraint in found.constraints].index(SloshHeight.name)
+    columns = {constraint.name: index for index, constraint in enumerate(found.constraints)}
     for index, (drawn, state) in enumerate(zip(objects, states, strict=True)):
         q, qd = np.split(state, 2, axis=1)
-        crests = crests_of_second_order(drawn, body, q, qd, motion.step)
-        margin[index, column] = found.limit[index, column] - float(np.max(crests))
+        waves = waves_along(drawn, body, q, qd, motion.step)
+        heights = {
+            SloshHeight.name: float(np.max(waves.crests)),
+            ResidualHeight.name: waves.highest_after(-1, gravity),
+        }
+        for column, height in ((columns[name], height) for name, height in heights.items() if name in columns):
+            margin[index, column] = abs(found.limit[index, column]) - height
     return replace(found, margin=margin)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from nospill.certification.full_model import full_scene
 from nospill.certification.replay import Replay, replay, states_at
 from nospill.certification.run import run_of
-from nospill.certification.second_order import driven_states
+from nospill.certification.second_order import waves_along
 from nospill.errors import ScenarioError
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.holds import held_trajectory
@@ -82,7 +82,7 @@ def swings_at(
 def _with_second(swings: list[Swing], cargo: Cargo, played: Replay, own: slice, times: np.ndarray) -> list[Swing]:
     """The swings of a liquid at some times with what they drive to the second order."""
     q, qd = played.slosh_displacement[:, own], played.slosh_velocity[:, own]
-    states = driven_states(cargo, played.body, q, qd, 1.0 / played.rate).reshape(len(played.t), -1)
+    states = waves_along(cargo, played.body, q, qd, 1.0 / played.rate).added.reshape(len(played.t), -1)
     columns = [np.interp(times, played.t, column) for column in states.T]
     at_times = np.stack(columns, axis=1).reshape(len(times), 2, -1)
     return [

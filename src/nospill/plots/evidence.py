@@ -12,6 +12,7 @@ import numpy as np
 from nospill.certification.certificate import Judgement
 from nospill.certification.limiting import Limiting, limiting_rows, limiting_text
 from nospill.certification.other_speeds import SpeedUse, uses_at
+from nospill.certification.second_order import heights_after
 from nospill.certification.verdict import Row, Trace
 from nospill.core.frames import SX, frame_at_rest
 from nospill.core.trees import constants
@@ -108,7 +109,8 @@ class Evidence:
     def free_heights(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Surface heights after the end, the tray at rest: times (m,) s, and heights (m,) m per object with liquid.
 
-        The modes swing as in `slosh.residual`; the height follows from them as in the constraint.
+        The modes swing as in `slosh.residual`; the height follows from them as in the constraint, to the second order
+        where the scene asks for it.
         """
         scene, played = self.plan.scene, self.judgement.replay
         structure, numbers = structure_of(scene), numbers_of(scene)
@@ -125,4 +127,5 @@ class Evidence:
         heights = [crest(item.structure, item.surface, item.yaw_heights) for item in objects if item.structure.liquid]
         table = np.array(ca.Function("free", [q], [ca.densify(ca.vertcat(*heights))])(ca.DM(states.T)).full())
         names = [cargo.name for cargo in scene.cargo if cargo.filling]
-        return played.t[-1] + after, dict(zip(names, table, strict=True))
+        to_order = heights_after(scene, played, after)
+        return played.t[-1] + after, dict(zip(names, table, strict=True)) | to_order

@@ -143,12 +143,16 @@ def second_order_sources(terms: LinearTerms, first: np.ndarray, rows: np.ndarray
     surface, potential = first[:, 0], first[:, 1]
     spin, lean, lean_rate = rows[2][:, None], lean_of(rows[:3]).T, lean_of(rows[3:6]).T
     change = first_order(terms, first, rows)[:, 1]
-    eta, steep = surface @ modes.shape.T, [surface @ slope.T for slope in modes.slope]
-    velocity = [potential @ slope.T + lean @ past for slope, past in zip(modes.slope, still.velocity, strict=False)]
-    velocity.append((stiffness * potential) @ modes.shape.T + lean @ still.velocity[2])
-    bend = (modes.wave_number**2 * potential) @ modes.shape.T + lean @ still.growth[2]
-    rising = (stiffness * change) @ modes.shape.T + lean_rate @ still.rise
-    sheared = (stiffness * potential) @ terms.shear.T + lean @ np.einsum("xp,xlp->lp", modes.turn, still.growth[:2])
+    moved = np.flatnonzero(np.any(surface, axis=0) | np.any(potential, axis=0) | np.any(change, axis=0))  # of a cup few
+    surface, potential, change, kappa = surface[:, moved], potential[:, moved], change[:, moved], stiffness[moved]
+    shape, slopes = modes.shape[:, moved].T, [slope[:, moved].T for slope in modes.slope]
+    eta, steep = surface @ shape, [surface @ slope for slope in slopes]
+    velocity = [potential @ slope + lean @ past for slope, past in zip(slopes, still.velocity, strict=False)]
+    velocity.append((kappa * potential) @ shape + lean @ still.velocity[2])
+    bend = (modes.wave_number[moved] ** 2 * potential) @ shape + lean @ still.growth[2]
+    rising = (kappa * change) @ shape + lean_rate @ still.rise
+    sheared = (kappa * potential) @ terms.shear[:, moved].T
+    sheared = sheared + lean @ np.einsum("xp,xlp->lp", modes.turn, still.growth[:2])
     rising = rising + spin * (sheared + rows[:2].T @ modes.points.T)
     source = eta * bend - steep[0] * velocity[0] - steep[1] * velocity[1]
     x, y = modes.points.T

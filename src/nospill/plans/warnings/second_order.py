@@ -65,13 +65,18 @@ def _highest(facts: Facts, rows: Mapping[tuple[str, str], Row]) -> list[tuple[Ca
     found = []
     for index, cargo in enumerate(facts.scene.cargo):
         judged, filling = rows.get((SloshHeight.name, cargo.name)), cargo.filling
-        if judged is None or filling is None:
+        if judged is None or filling is None or _to_second_order(judged, rows.get((ResidualHeight.name, cargo.name))):
             continue
         side = float(np.min(cargo.container.section(filling.liquid_height).half_lengths))
         if judged.worst_value > FIRST_ORDER_CREST * side and unsupported(cargo) is None:
             found.append((judged.worst_value / side, index, cargo, filling))
     kept = sorted(found, key=lambda item: item[:2])[-MOST:]
     return [item[2:] for item in sorted(kept, key=lambda item: item[1])]
+
+
+def _to_second_order(during: Row, after: Row | None) -> bool:
+    """Whether the rows on a liquid say already what the second order adds."""
+    return during.linear_value is not None and (after is None or after.linear_value is not None)
 
 
 def _over(highest: float, limit: float) -> list[str]:
