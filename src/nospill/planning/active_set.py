@@ -22,8 +22,16 @@ from nospill.laws.constraints.joint_jerk import command_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.planning.members import Members, backoff_by_order, relaxed_by_order, tightened, uses_of
+from nospill.planning.second_order import by_modes, smoothed, with_room
 from nospill.planning.task import Task
-from nospill.planning.tightening import ROUGH, beyond_backoff, increased_jerk_weight, relaxed_backoff, shared_backoff
+from nospill.planning.tightening import (
+    ROUGH,
+    backoff_with_room,
+    beyond_backoff,
+    increased_jerk_weight,
+    relaxed_backoff,
+    shared_backoff,
+)
 from nospill.planning.tracking_margins import heavier, joining, lighter, next_margins, raised_backoff, rings_far
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
@@ -197,10 +205,13 @@ class ActiveSet:
         """`after` for the arm as it is stated.
 
         Modes join first, of the liquids that break a limit, and objects without members; where modes that are left out
-        swing too far at the end, the jerks weigh more. Then members join, the worst of `missing`. Where there is none,
-        violated rows join, those in the problem get a larger back-off, and `far_peaks` join, which that does not reach.
+        swing too far at the end, or waves of second order do, the jerks weigh more. Then members join, the worst of
+        `missing`. Where there is none, violated rows join, those in the problem get a larger back-off, and `far_peaks`
+        join, which that does not reach.
         """
-        rows = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
+        found = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
+        rows = [by_modes(row) for row in found]
+        smooth = self._smoothed(found)
         refined = self.refined | self._too_coarse(rows)
         if refined != self.refined:
             alone = self._outside(rows, np.inf, judgement)
@@ -212,21 +223,33 @@ class ActiveSet:
         if 1.0 < over <= ROUGH and modes > self.modes:
             kept = {row: value for row, value in self.backoff.items() if row not in self._final}
             return replace(self, modes=modes, backoff=kept).joined(self.members, refined, judgement)
-        heavier = increased_jerk_weight(self.jerk_weight_factor, over)
+        heavier = max(increased_jerk_weight(self.jerk_weight_factor, over), smooth.jerk_weight_factor)
         if heavier > self.jerk_weight_factor:
-            return replace(self, jerk_weight_factor=heavier)
+            return replace(smooth, jerk_weight_factor=heavier)
         outside = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
         if outside:
             return self.joined(self.members | outside, refined | {name for name, _ in outside if refined}, judgement)
         broken = self._within_ranges(list(self._on_members(row for row in rows if row.shortfall > 0.0)))
-        backoff, joining = tightened(broken, self.rows, self.backoff, slack)
+        backoff, joining = tightened(broken, self.rows, smooth.backoff, slack)
         far = self._members.far_peaks(rows, judgement.replay.t)
         if far:
             return replace(self, backoff=backoff).joined(self.members | far, refined, judgement)
         backoff = shared_backoff(backoff, self.backoff, uses)
         if not joining and backoff == self.backoff:
             return self
-        return replace(self, rows=self.rows | joining, backoff=backoff, excess=max(at_end.values(), default=1.0) - 1.0)
+        return replace(
+            self, rows=smooth.rows | joining, backoff=backoff, excess=max(at_end.values(), default=1.0) - 1.0
+        )
+
+    def _smoothed(self, rows: Iterable[Row]) -> ActiveSet:
+        """The set with what heights of second order after the end ask for, where they are over their limits."""
+        left = list(self._on_members(rows))
+        backoff, factor = with_room(left, self.backoff), smoothed(self.jerk_weight_factor, left, self.backoff)
+        if self.scene.motion.duration is None and factor > self.jerk_weight_factor:
+            at_end = {row: value for row, value in backoff.items() if row in self._final}
+            return replace(self, jerk_weight_factor=factor, backoff={**self.backoff, **at_end})
+        lower = frozenset(row for row, value in backoff.items() if value > self.backoff[row])
+        return replace(self, rows=self.rows | (lower & self.possible), backoff=backoff)
 
     def _within_ranges(self, broken: list[Row]) -> list[Row]:
         """Broken rows without the distances that are not in the problem, while a joint leaves its range.
@@ -253,15 +276,22 @@ class ActiveSet:
 
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
+        rows = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
+        smooth = self._smoothed(rows)
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
         grown = replace(grown, rows=grown.rows | (self.rows & self.task.of_arm))
         fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
-        residual = {RowId(ResidualHeight.name, label): _OF_SUM for label in fresh}
+        smoother = smooth.jerk_weight_factor > self.jerk_weight_factor
+        of_sum = backoff_with_room(_OF_SUM, 1.0) if smoother else _OF_SUM
+        residual = {RowId(ResidualHeight.name, label): of_sum for label in fresh}
         spent = dict.fromkeys(self._members.saturated_at_end(self.backoff), _OF_SUM)
-        grown = grown.with_backoff({**self.backoff, **spent}).with_backoff(residual)
+        grown = grown.with_backoff({**smooth.backoff, **spent}).with_backoff(residual)
         own = list(grown._on_members(judgement.variant_rows, own=True))
-        grown = grown.with_backoff(backoff_by_order(own, grown.backoff))
-        grown = replace(grown, expected=self.expected, jerk_weight_factor=self.jerk_weight_factor, margins=self.margins)
+        if not smoother:  # else those crests say little of smoother waves
+            grown = grown.with_backoff(backoff_by_order(own, grown.backoff))
+        grown = replace(
+            grown, expected=self.expected, jerk_weight_factor=smooth.jerk_weight_factor, margins=self.margins
+        )
         return grown.without_far(own)
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:

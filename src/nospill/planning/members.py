@@ -231,20 +231,25 @@ def backoff_by_order(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dic
 
     Arguments as of `tightened`.
     """
-    broken = condensed(row for row in rows if row.linear_value is not None and row.shortfall > 0.0)
+    broken = condensed(row for row in rows if _is_crest(row) and row.shortfall > 0.0)
     return {row.id: _raised_backoff(row, backoff[row.id], 0.0) for row in broken if row.id in backoff}
 
 
 def relaxed_by_order(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, float]:
     """Back-off of the rows of second order, less where a certified motion stays far below their limits."""
-    found = condensed(row for row in rows if row.linear_value is not None and row.id in backoff)
+    found = condensed(row for row in rows if _is_crest(row) and row.id in backoff)
     return {row.id: relaxed_second_order(backoff[row.id], *_parts(row)) for row in found}
+
+
+def _is_crest(row: Row) -> bool:
+    """Whether it is about a height of second order during the motion, which back-off lowers."""
+    return row.linear_value is not None and not row.at_end
 
 
 def _parts(row: Row) -> tuple[float, float]:
     """Linear height and height of second order of a row, as parts of its limit."""
     assert row.linear_value is not None
-    return row.linear_value / row.limit, row.worst_value / row.limit
+    return row.linear_value / row.size, row.worst_value / row.size
 
 
 def uses_of(rows: Iterable[Row]) -> dict[RowId, float]:

@@ -33,6 +33,17 @@ _LEFT, _RELAXED = 2e-3, 0.8
 
 _LEAST_FACTOR, _MOST_WEIGHT = 2.0, 1e4
 """Factor on the weights of the jerks, at once and in all."""
+_OWN = 0.35
+"""Part of a residual limit that the modes get where the second order needs the rest; it costs next to no time."""
+_SPARE = 0.1
+"""Part by which they may have more and count as having no more than that."""
+_NEARLY = 1.3
+"""Of what a limit leaves the second order; where motions are smoother already, crests a little lower do for less."""
+_MOST_ROOM = 0.85
+"""Most back-off that this makes of it."""
+_FALLS, _LEAST_SMOOTHER, _MOST_SMOOTHER = 2.0, 1.4, 300.0
+"""The weights of the jerks rise with this power of what the second order leaves too much of after the end (four cups on
+a tilting tray, 10 mm: 4.7, 3, 1.7, 1.3, 0.1 mm with 1, 10, 100, 300, 1000 times the weights); and by what at once."""
 
 
 def tightened_backoff(backoff: float, excess: float, unused: float, *, at_end: bool) -> float:
@@ -138,6 +149,62 @@ def beyond_backoff(at_end: Mapping[RowId, float], backoff: Mapping[RowId, float]
     most, tightest = max(over.values(), default=0.0), max((backoff[row] for row in over), default=0.0)
     stuck = 0.0 < _STUCK * excess < most - 1.0
     return most if most > ROUGH or is_saturated(tightest) or stuck else 0.0
+
+
+def backoff_with_room(backoff: float, linear: float) -> float:
+    """Back-off of a residual height whose modes are to leave the second order its part of the limit.
+
+    Args:
+        backoff: fraction of the budget that the last problem kept.
+        linear: height after the end by the modes alone, as judged, over the limit.
+    """
+    return max(backoff, min(1.0 - (1.0 - backoff) * _OWN / max(linear, _OWN), _MOST_ROOM))
+
+
+def is_settled(backoff: float, linear: float) -> bool:
+    """Whether more back-off of a residual height would not do: modes that the problem has not are what is left.
+
+    Args:
+        backoff: fraction of the budget that the last problem kept.
+        linear: height after the end by the modes alone, as judged, over the limit.
+    """
+    return is_saturated(backoff) and linear > _OWN + _SPARE
+
+
+def excess_of_order(linear: float, second: float, *, settled: bool) -> float:
+    """How many times what the second order adds to a residual height is what the limit leaves it; 0 where it is kept.
+
+    Args:
+        linear: height after the end by the modes alone, as judged, over the limit.
+        second: of second order, likewise.
+        settled: as `is_settled` has it.
+    """
+    if second <= 1.0:
+        return 0.0
+    own = min(linear, 1.0 - _OWN if settled else _OWN)
+    over = max(second - linear, 0.0) / (1.0 - own)
+    return max(over, 1.0) if settled else over
+
+
+def smoother_jerk_weight(factor: float, over: float, *, settled: bool) -> float:
+    """Factor on the weights of the jerks with which a residual height of second order keeps its limit.
+
+    What stirs the modes of second order are quick changes of the waves that drive them: of a smooth motion they follow
+    at once and are gone with them. So smoothness helps more than lower crests do, but for the last of it.
+
+    Args:
+        factor: of the last problem.
+        over: as `excess_of_order` has it.
+        settled: as there; then smoothness is all that stills the modes outside the problem too.
+    """
+    if over < 1.0 or (over <= _NEARLY and factor > 1.0 and not settled):
+        return factor
+    return max(factor, min(factor * min(max(over**_FALLS, _LEAST_SMOOTHER), _MOST_SMOOTHER), _MOST_WEIGHT))
+
+
+def lower_crest_backoff(backoff: float, over: float) -> float:
+    """Back-off of a slosh height with which what the second order adds is less by that part, as the crest's square."""
+    return 1.0 - (1.0 - backoff) / math.sqrt(over) if over > 1.0 else backoff
 
 
 def increased_jerk_weight(factor: float, over: float) -> float:

@@ -1,0 +1,81 @@
+"""What is left after the end to the second order: smoothness and less of the modes' own waves, where it is too much.
+
+The optimiser's row is about the modes, and so are back-off, members and modes that join. The waves of second order are
+in no problem: smooth motions hardly leave any, so where the judge finds too many, the jerks weigh more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+from nospill.certification.verdict import Row
+from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.slosh_height import SloshHeight
+from nospill.planning.tightening import (
+    backoff_with_room,
+    excess_of_order,
+    is_settled,
+    lower_crest_backoff,
+    smoother_jerk_weight,
+)
+
+
+def by_modes(row: Row) -> Row:
+    """A row on the final state of second order as the modes alone have it, as the optimiser sees it; others as is."""
+    if not _is_left(row) or row.linear_value is None:
+        return row
+    margin = row.size - row.linear_value
+    return replace(row, worst_value=row.linear_value, worst_margin=margin, ok=margin >= 0.0, linear_value=None)
+
+
+def smoothed(factor: float, rows: Iterable[Row], backoff: Mapping[RowId, float]) -> float:
+    """Factor on the weights of the jerks for the next problem; the same where every residual height is nearly kept.
+
+    Args:
+        factor: of the last problem.
+        rows: as judged, by the names of the members.
+        backoff: of every row of the problem.
+    """
+    short = [row for row in rows if _falls_short(row)]
+    return max(
+        (smoother_jerk_weight(factor, _over(row, backoff), settled=_settled(row, backoff)) for row in short),
+        default=factor,
+    )
+
+
+def with_room(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, float]:
+    """Back-off that leaves the second order its part of the limits on the final state.
+
+    That of these rows, and where that is not enough of the crests; arguments as of `smoothed`.
+    """
+    raised = dict(backoff)
+    for row in filter(_falls_short, rows):
+        crest = RowId(SloshHeight.name, row.subject)
+        if row.id in backoff:
+            raised[row.id] = max(raised[row.id], backoff_with_room(backoff[row.id], _uses(row)[0]))
+        if crest in backoff:
+            raised[crest] = max(raised[crest], lower_crest_backoff(backoff[crest], _over(row, backoff)))
+    return raised
+
+
+def _over(row: Row, backoff: Mapping[RowId, float]) -> float:
+    return excess_of_order(*_uses(row), settled=_settled(row, backoff))
+
+
+def _settled(row: Row, backoff: Mapping[RowId, float]) -> bool:
+    return is_settled(backoff.get(row.id, 1.0), _uses(row)[0])
+
+
+def _is_left(row: Row) -> bool:
+    return row.at_end and row.linear_value is not None
+
+
+def _falls_short(row: Row) -> bool:
+    return _is_left(row) and row.shortfall > 0.0
+
+
+def _uses(row: Row) -> tuple[float, float]:
+    """Height by the modes alone and of second order with what a finer grid may find, over the limit."""
+    assert row.linear_value is not None
+    return row.linear_value / row.size, (row.size + row.shortfall) / row.size
