@@ -22,7 +22,7 @@ from nospill.laws.constraints.joint_jerk import command_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.planning.members import Members, backoff_by_order, relaxed_by_order, tightened, uses_of
-from nospill.planning.second_order import by_modes, smoothed, with_room
+from nospill.planning.second_order import by_modes, rougher, smoothed, with_room
 from nospill.planning.task import Task
 from nospill.planning.tightening import (
     ROUGH,
@@ -268,11 +268,18 @@ class ActiveSet:
         return replace(self, backoff={**relaxed, **relaxed_by_order(own, self.backoff)})
 
     def lightened(self, judgement: Judgement) -> ActiveSet:
-        """The set with the margins that a motion which holds over a band of arms needs, and jerks that weigh less."""
-        if judgement.band is None:
+        """The set with jerks that weigh less, after a motion that holds; itself where they are not known to weigh much.
+
+        With the margins that a motion over a band of arms needs, and of crests of second order what it does not.
+        """
+        if self.margins and judgement.band is not None:
+            margins = next_margins({}, judgement.band, self.names, judgement.end_time)
+            return replace(self, margins=margins, jerk_weight_factor=lighter(self.jerk_weight_factor))
+        own = list(self._on_members(judgement.variant_rows))
+        factor = rougher(self.jerk_weight_factor, own)
+        if factor == self.jerk_weight_factor:
             return self
-        margins = next_margins({}, judgement.band, self.names, judgement.end_time)
-        return replace(self, margins=margins, jerk_weight_factor=lighter(self.jerk_weight_factor))
+        return replace(self, jerk_weight_factor=factor, backoff={**self.backoff, **relaxed_by_order(own, self.backoff)})
 
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""

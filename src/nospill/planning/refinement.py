@@ -124,11 +124,13 @@ def certify_by_refinement(candidate: Candidate, log: Log) -> Judged:
 
 
 def _lightened(judged: Judged, log: Log) -> Judged:
-    """A motion that holds over a band of arms, refined once more from less of what that took; the shorter of both."""
-    if not judged.candidate.active.margins or not judged.judgement.certificate.ok or log.out_of_time:
+    """A certified motion whose jerks weigh more than it needs, refined once more from less; the shorter of both."""
+    active = judged.candidate.active
+    lighter = active.lightened(judged.judgement) if judged.judgement.certificate.ok else active
+    if lighter is active or log.out_of_time:
         return judged
     with suppress(NoSolutionError):
-        again = _tighten(judged.candidate, judged.candidate.active.lightened(judged.judgement), log)
+        again = _tighten(judged.candidate, lighter, log)
         refined = again and _refine_until_certified(again, log)
         if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < judged.trajectory.end_time:
             return refined

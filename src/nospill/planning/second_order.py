@@ -16,6 +16,7 @@ from nospill.planning.tightening import (
     backoff_with_room,
     excess_of_order,
     is_settled,
+    less_jerk_weight,
     lower_crest_backoff,
     smoother_jerk_weight,
 )
@@ -42,6 +43,14 @@ def smoothed(factor: float, rows: Iterable[Row], backoff: Mapping[RowId, float])
         (smoother_jerk_weight(factor, _over(row, backoff), settled=_settled(row, backoff)) for row in short),
         default=factor,
     )
+
+
+def rougher(factor: float, rows: Iterable[Row]) -> float:
+    """Factor on the weights of the jerks after a motion that leaves much of its limits; the same where one is near.
+
+    Arguments as of `smoothed`.
+    """
+    return max((less_jerk_weight(factor, *_uses(row)) for row in rows if _is_left(row)), default=factor)
 
 
 def with_room(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, float]:

@@ -35,6 +35,8 @@ _LEAST_FACTOR, _MOST_WEIGHT = 2.0, 1e4
 """Factor on the weights of the jerks, at once and in all."""
 _OWN = 0.35
 """Part of a residual limit that the modes get where the second order needs the rest; it costs next to no time."""
+_FAR_BELOW, _LEAST_LIGHTER = 0.8, 0.25
+"""Use of a residual limit of second order below which the jerks weigh less again, and by what at most."""
 _SPARE = 0.1
 """Part by which they may have more and count as having no more than that."""
 _NEARLY = 1.3
@@ -158,7 +160,7 @@ def backoff_with_room(backoff: float, linear: float) -> float:
         backoff: fraction of the budget that the last problem kept.
         linear: height after the end by the modes alone, as judged, over the limit.
     """
-    return max(backoff, min(1.0 - (1.0 - backoff) * _OWN / max(linear, _OWN), _MOST_ROOM))
+    return max(backoff, min(1.0 - (1.0 - backoff) * _OWN / linear, _MOST_ROOM)) if linear > _OWN else backoff
 
 
 def is_settled(backoff: float, linear: float) -> bool:
@@ -200,6 +202,17 @@ def smoother_jerk_weight(factor: float, over: float, *, settled: bool) -> float:
     if over < 1.0 or (over <= _NEARLY and factor > 1.0 and not settled):
         return factor
     return max(factor, min(factor * min(max(over**_FALLS, _LEAST_SMOOTHER), _MOST_SMOOTHER), _MOST_WEIGHT))
+
+
+def less_jerk_weight(factor: float, linear: float, second: float) -> float:
+    """Factor on the weights of the jerks after a certified motion that leaves much of a residual limit.
+
+    Arguments as of `smoother_jerk_weight` and `excess_of_order`.
+    """
+    if second > _FAR_BELOW or factor <= 1.0:
+        return factor
+    part = max(second - linear, 0.0) / (1.0 - linear)
+    return max(factor * max(part, _LEAST_LIGHTER), 1.0)
 
 
 def lower_crest_backoff(backoff: float, over: float) -> float:
