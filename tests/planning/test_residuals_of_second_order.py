@@ -48,7 +48,7 @@ def test_the_modes_leave_the_second_order_its_part() -> None:
 
 
 def test_a_motion_that_leaves_much_of_its_limits_may_be_rougher() -> None:
-    assert 25.0 <= rougher(100.0, [_row(0.3, 0.6)]) < 50.0
+    assert 40.0 <= rougher(100.0, [_row(0.3, 0.6)]) < 70.0
     assert rougher(100.0, [_row(0.3, 0.6), _row(0.3, 0.9)]) == 100.0
     assert rougher(1.0, [_row(0.3, 0.4)]) == 1.0 == rougher(2.0, [_row(0.3, 0.3)])
     assert rougher(7.0, [_row(None, 0.3)]) == 7.0

@@ -53,14 +53,21 @@ def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> 
             value = np.array([own.highest_after(int(index), scene.gravity) for index in standing])
         return replace(trace, value=value, margin=np.abs(trace.limit) - value, linear=trace.value)
 
-    heights = {SloshHeight.name} if scene.motion.stop else {SloshHeight.name, ResidualHeight.name}
+    heights = {SloshHeight.name, *([ResidualHeight.name] if left_to_second_order(scene) else [])}
     return tuple(
         judged(trace) if trace.constraint in heights and trace.subject in liquids else trace for trace in traces
     )
 
 
+def left_to_second_order(scene: Scene) -> bool:
+    """Whether the height after the end is judged to the second order, of the liquids of which it is known."""
+    return scene.motion.residual_height == "second order" and not scene.motion.stop
+
+
 def heights_after(scene: Scene, played: Replay, t: np.ndarray) -> dict[str, np.ndarray]:
     """Of every liquid that is judged to the second order its greatest heights (n,) at even times after a replay, m."""
+    if not left_to_second_order(scene):
+        return {}
     return {
         name: _waves(cargo, modes, played).after(-1, t, scene.gravity).crests
         for name, (cargo, modes) in _liquids(scene).items()

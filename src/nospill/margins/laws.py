@@ -15,7 +15,7 @@ import numpy as np
 from nospill.certification.after_end import residual_height
 from nospill.certification.replay import liquid_steps, tray_from_joints
 from nospill.certification.run import run_of
-from nospill.certification.second_order import waves_along
+from nospill.certification.second_order import left_to_second_order, waves_along
 from nospill.certification.traces import object_figures_function
 from nospill.certification.verdict import limit_use
 from nospill.core.batches import evaluate
@@ -130,7 +130,7 @@ def object_margins(scene: Scene, objects: Sequence[Sequence[Cargo]], motion: Tra
     ]
     order = scene.motion.slosh_height
     return tuple(
-        _to_second_order(own, drawn, own_states, motion, scene.gravity) if to_second_order(drawn[0], order) else own
+        _to_second_order(own, drawn, own_states, motion, scene) if to_second_order(drawn[0], order) else own
         for own, drawn, own_states in zip(found, objects, states, strict=True)
     )
 
@@ -191,7 +191,7 @@ def _margins(
 
 
 def _to_second_order(
-    found: Margins, objects: Sequence[Cargo], states: np.ndarray, motion: TrayMotion, gravity: float
+    found: Margins, objects: Sequence[Cargo], states: np.ndarray, motion: TrayMotion, scene: Scene
 ) -> Margins:
     """The same with heights of second order, during the motion and after it, in the place of the linear ones."""
     margin, body = found.margin.copy(), motion.body[:, ::2]
@@ -199,10 +199,9 @@ def _to_second_order(
     for index, (drawn, state) in enumerate(zip(objects, states, strict=True)):
         q, qd = np.split(state, 2, axis=1)
         waves = waves_along(drawn, body, q, qd, motion.step)
-        heights = {
-            SloshHeight.name: float(np.max(waves.crests)),
-            ResidualHeight.name: waves.highest_after(-1, gravity),
-        }
+        heights = {SloshHeight.name: float(np.max(waves.crests))}
+        if left_to_second_order(scene):
+            heights[ResidualHeight.name] = waves.highest_after(-1, scene.gravity)
         for column, height in ((columns[name], height) for name, height in heights.items() if name in columns):
             margin[index, column] = abs(found.limit[index, column]) - height
     return replace(found, margin=margin)

@@ -35,7 +35,7 @@ _LEAST_FACTOR, _MOST_WEIGHT = 2.0, 1e4
 """Factor on the weights of the jerks, at once and in all."""
 _OWN = 0.35
 """Part of a residual limit that the modes get where the second order needs the rest; it costs next to no time."""
-_FAR_BELOW, _LEAST_LIGHTER = 0.8, 0.25
+_FAR_BELOW, _LEAST_LIGHTER = 0.8, 0.4
 """Use of a residual limit of second order below which the jerks weigh less again, and by what at most."""
 _SPARE = 0.1
 """Part by which they may have more and count as having no more than that."""
@@ -212,7 +212,7 @@ def less_jerk_weight(factor: float, linear: float, second: float) -> float:
     if second > _FAR_BELOW or factor <= 1.0:
         return factor
     part = max(second - linear, 0.0) / (1.0 - linear)
-    return max(factor * max(part, _LEAST_LIGHTER), 1.0)
+    return max(factor * max(math.sqrt(part), _LEAST_LIGHTER), 1.0)
 
 
 def lower_crest_backoff(backoff: float, over: float) -> float:

@@ -117,6 +117,13 @@ class MotionTable(Table):
             "where it is known, and the certificate says where not"
         ),
     ] = None
+    residual_height: Annotated[
+        HeightOrder,
+        Field(
+            description="what residual_fraction bounds: the linear height after the end, or, where slosh_height is of "
+            "second order, that of second order"
+        ),
+    ] = "linear"
     duration: Annotated[
         OptionalQuantity,
         Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),

@@ -324,6 +324,11 @@ def _check_motion(scenario: Scenario) -> None:
 
 def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
     """Refuse heights of second order where the scene has none."""
+    if scenario.motion.residual_height == "second order" and _height_order(scenario)[0] != "second order":
+        raise ScenarioError(
+            'residual_height = "second order" is stated where slosh heights are linear; leave it out, or state '
+            'slosh_height = "second order" to see what is in the way'
+        )
     if scenario.motion.slosh_height != "second order":
         return
     if scenario.fidelity != "full":

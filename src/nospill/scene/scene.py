@@ -69,6 +69,7 @@ class MotionRules:
         corridor_shares: parts of `corridor` at even steps of the path parameter, where it is not as wide everywhere.
         slosh_height: to which order the heights of the liquids are judged, as far as it is known of them.
         linear_since: why all of them are linear, as the end of a sentence; empty where they are not, or as published.
+        residual_height: likewise, of heights after the end; of second order only where `slosh_height` is.
         stop: whether it may come to rest anywhere on its path.
     """
 
@@ -91,6 +92,7 @@ class MotionRules:
     corridor_shares: tuple[float, ...] = ()
     slosh_height: HeightOrder = "linear"
     linear_since: str = ""
+    residual_height: HeightOrder = "linear"
     stop: bool = False
 
     @property
