@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.second_order import AFTER_END, heights_after, waves_along, with_second_order
 from nospill.certification.wording import linear_heights_line
+from nospill.errors import ScenarioError
 from nospill.motion.at_speed import at_speed
 from nospill.planning.planner import plan
 from nospill.plans.warnings.second_order import motion_rows
@@ -23,11 +25,17 @@ from tests.waters import cup, free_wave, mode_like
 _CUPS = ("cup", "box")
 
 
+def _with_order(scene: Scene) -> Scene:
+    """The scene with heights after the end of second order, beside those during the motion."""
+    return scene.changed({"motion.residual_height": "second order"})
+
+
 @pytest.fixture(scope="module")
 def both(smooth_motion: Callable) -> tuple[Scene, Judgement, Judgement]:
     """The scene, and a smooth motion judged linearly and to the second order."""
     scene, slow = read_scenario("mixed-tray"), at_speed(smooth_motion("mixed-tray").trajectory, 0.8)
-    return scene, judge_motion(slow, scene.changed({"motion.slosh_height": "linear"})), judge_motion(slow, scene)
+    linear = judge_motion(slow, scene.changed({"motion.slosh_height": "linear"}))
+    return scene, linear, judge_motion(slow, _with_order(scene))
 
 
 def _crests(judgement: Judgement) -> dict[str, np.ndarray]:
@@ -86,9 +94,23 @@ def _slowest(cargo: Cargo, height: float) -> np.ndarray:
     return start
 
 
+def test_only_heights_during_the_motion_are_so_unless_both_are_asked_for(
+    both: tuple[Scene, Judgement, Judgement],
+) -> None:
+    scene, linear, judgement = both
+    traces = with_second_order(linear.traces, scene, judgement.replay)
+    known = {trace.constraint for trace in traces if trace.linear is not None}
+    assert known == {"slosh height"} and heights_after(scene, judgement.replay, np.linspace(0.0, 1.0, 5)) == {}
+    with pytest.raises(
+        ScenarioError, match='residual_height = "second order" is stated where slosh heights are linear'
+    ):
+        scene.changed({"motion.residual_height": "second order", "motion.slosh_height": "linear"})
+
+
 def test_a_stop_is_held_to_what_the_modes_leave(both: tuple[Scene, Judgement, Judgement]) -> None:
     scene, linear, judgement = both
-    stop = replace(_with_order(scene), motion=replace(_with_order(scene).motion, stop=True))
+    asked = _with_order(scene)
+    stop = replace(asked, motion=replace(asked.motion, stop=True))
     residual = tuple(trace for trace in linear.traces if trace.constraint == "residual height")
     assert with_second_order(residual, stop, judgement.replay) == residual
 
