@@ -237,8 +237,14 @@ class ActiveSet:
         backoff = shared_backoff(backoff, self.backoff, uses)
         if not joining and backoff == self.backoff:
             return self
+        # bodies that touch in spite of their planes have none where they do: more back-off would move nothing
+        touching = {row.id for row in broken if row.worst_margin < 0.0} & self.rows & self.task.around_solids
         return replace(
-            self, rows=smooth.rows | joining, backoff=backoff, excess=max(at_end.values(), default=1.0) - 1.0
+            self,
+            rows=smooth.rows | joining,
+            backoff=backoff,
+            excess=max(at_end.values(), default=1.0) - 1.0,
+            everywhere=self.everywhere | touching,
         )
 
     def _smoothed(self, rows: Iterable[Row]) -> ActiveSet:

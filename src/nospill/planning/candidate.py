@@ -131,7 +131,8 @@ def solved(
     planning = active.scene.planning
     stage = "tighten" if tightens else "fine" if start.intervals >= planning.intervals else "coarse"
     with log.phase("build", stage):
-        planes = warm.planes if warm and warm.active.task is active.task else None
+        alike = warm is not None and warm.active.task is active.task and warm.active.everywhere == active.everywhere
+        planes = warm.planes if warm and alike else None
         problem = problem or problem_about(active, start, planes)
     with log.phase("solve", stage):
         usual = SolveOptions(
