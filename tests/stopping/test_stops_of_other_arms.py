@@ -36,9 +36,10 @@ CUP_ON_SEVEN_JOINTS = {
 
 def _require_certified_together(plan: Plan, every: float) -> None:
     found = ns.stops(plan, every=every)
+    assert any(stop.duration < stop.left for stop in found.stops)
     rules = replace(plan.scene.motion, residual_fraction=1.0)
     for stop in found.stops:
-        assert stop.bound.duration <= stop.duration < stop.left
+        assert stop.bound.duration <= stop.duration <= stop.left
         samples = stopped(plan.trajectory, stop)
         certificate = ns.certify_joints(samples.t, samples.position, replace(plan.scene, motion=rules))
         assert certificate.ok, (stop.t, [row.label for row in certificate.rows if not row.ok])
