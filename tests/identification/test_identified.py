@@ -65,7 +65,8 @@ def test_the_tables_are_read_by_a_scenario(found: Identified, plan: Plan) -> Non
     scene = scene_from_table({**plan.scene.source, **tables}, name="learnt")
     assert scene.controller is not None
     assert scene.controller.lag[[0, 2]] == pytest.approx(LAG[[0, 2]], rel=0.05)
-    assert scene.controller.lag[3] == 0.0  # which does not move
+    others = np.delete(scene.controller.lag, 3)
+    assert scene.controller.lag[3] == pytest.approx(np.mean(others), abs=1e-5)  # which does not move: no zero of its own
 
 
 def test_what_stayed_and_what_slid_bound_the_friction(found: Identified) -> None:
@@ -80,7 +81,7 @@ def test_what_stayed_and_what_slid_bound_the_friction(found: Identified) -> None
 def test_what_the_motion_does_not_tell_is_said(found: Identified) -> None:
     assert {own.subject for own in found.unidentifiable} >= {"joint_4"}
     text = scenario_text(found)
-    assert "zero stands where this motion does not tell" in text
+    assert "the mean of the other joints stands where this motion does not tell" in text
     if not found.liquids[0].of("fill").identifiable:
         assert "fill not identifiable from this motion" in text
 

@@ -165,14 +165,16 @@ def scenario_text(learnt: Identified) -> str:
     if identified_fits:
         lines += ["", "[controller]"]
         if len(identified_fits) < len(learnt.joints):
-            lines.append("# zero stands where this motion does not tell")
+            lines.append("# the mean of the other joints stands where this motion does not tell")
         lines += [
             f"# {text}; the scenario's law is of first order"
             for text in map(second_order_text, identified_fits)
             if text
         ]
         for key in ("delay", "lag"):
-            values = [max(getattr(fit, key).value, 0.0) if fit in identified_fits else 0.0 for fit in learnt.joints]
+            known = {fit.joint: max(getattr(fit, key).value, 0.0) for fit in identified_fits}
+            others = sum(known.values()) / len(known)  # one controller leads them all
+            values = [known.get(fit.joint, others) for fit in learnt.joints]
             listed = ", ".join(f'"{round(1e3 * value, 2):g} ms"' for value in values)
             lines.append(f"{key} = [{listed}]")
     tolerance = _tolerance(learnt)
