@@ -66,7 +66,7 @@ def test_the_tables_are_read_by_a_scenario(found: Identified, plan: Plan) -> Non
     assert scene.controller is not None
     assert scene.controller.lag[[0, 2]] == pytest.approx(LAG[[0, 2]], rel=0.05)
     others = np.delete(scene.controller.lag, 3)
-    assert scene.controller.lag[3] == pytest.approx(np.mean(others), abs=1e-5)  # which does not move: no zero of its own
+    assert scene.controller.lag[3] == pytest.approx(np.mean(others), abs=1e-5)  # it does not move
 
 
 def test_what_stayed_and_what_slid_bound_the_friction(found: Identified) -> None:
