@@ -176,6 +176,11 @@ def test_ends_of_a_free_path_stay() -> None:
         layout("shelf-to-table", {"path.goal.position": [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]})
 
 
+def test_a_base_that_the_planner_turns_is_refused() -> None:
+    with pytest.raises(ScenarioError, match="state an angle, and let robot.base_yaw change between two values"):
+        layout(load("matrix-liquid").changed({"robot.base_yaw": "free"}), {"cargo.c1.at": None})
+
+
 def test_command_writes_plan_and_picture(tmp_path: Path) -> None:
     found = nospill("layout", "matrix-rigid", "--free", "cargo.*.at", "--plans", "2", "-o", str(tmp_path / "best"))
     assert found.exit_code == 0, found.stderr

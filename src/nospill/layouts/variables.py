@@ -10,6 +10,7 @@ import numpy as np
 
 from nospill.core.units import as_written, in_si
 from nospill.errors import ScenarioError
+from nospill.path_search.base_yaw import has_free_base
 from nospill.path_search.candidates import has_free_path
 from nospill.scenario.layout import footprint_core
 from nospill.scenario.settings import stated_value
@@ -79,6 +80,11 @@ def variables_of(base: Scene, free: Mapping[str, Any]) -> Variables:
     if not expanded:
         raise ScenarioError(
             "a layout without anything that may change; name a key, as cargo.*.at or robot.base_position"
+        )
+    if has_free_base(base):
+        raise ScenarioError(
+            'robot.base_yaw = "free" is chosen anew for every layout; state an angle, and let robot.base_yaw change '
+            "between two values"
         )
     if has_free_path(base) and (moved := next((key for key in expanded if key.startswith("path.")), None)):
         raise ScenarioError(
