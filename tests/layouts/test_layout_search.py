@@ -177,8 +177,13 @@ def test_ends_of_a_free_path_stay() -> None:
 
 
 def test_a_base_that_the_planner_turns_is_refused() -> None:
-    with pytest.raises(ScenarioError, match="state an angle, and let robot.base_yaw change between two values"):
+    with pytest.raises(ScenarioError, match=r"state an angle, and let robot\.base_yaw change"):
         layout(load("matrix-liquid").changed({"robot.base_yaw": "free"}), {"cargo.c1.at": None})
+
+
+def test_a_stated_duration_is_refused() -> None:
+    with pytest.raises(ScenarioError, match="takes as long in every layout"):
+        layout(load("matrix-liquid").changed({"motion.duration": "3 s"}), {"cargo.c1.at": None})
 
 
 def test_command_writes_plan_and_picture(tmp_path: Path) -> None:

@@ -81,6 +81,8 @@ def variables_of(base: Scene, free: Mapping[str, Any]) -> Variables:
         raise ScenarioError(
             "a layout without anything that may change; name a key, as cargo.*.at or robot.base_position"
         )
+    if base.motion.duration is not None:
+        raise ScenarioError("motion.duration is stated, so that the motion takes as long in every layout; leave it out")
     if has_free_base(base):
         raise ScenarioError(
             'robot.base_yaw = "free" is chosen anew for every layout; state an angle, and let robot.base_yaw change '
