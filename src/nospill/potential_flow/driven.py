@@ -163,15 +163,14 @@ def _integrated(
     root = np.where(np.abs(root) < _STANDS_STILL, _STANDS_STILL, root)
     fade = np.exp(-decay * h)
     cosine, sine = np.real(fade * np.cos(root * h)), np.real(fade * np.sin(root * h) / root)
-    rows_ahead = zip(cosine + decay * sine, kappa * sine, -force * sine, cosine - decay * sine, strict=True)
+    onwards = np.stack([cosine + decay * sine, kappa * sine, -force * sine, cosine - decay * sine], axis=1)
+    onwards = onwards.reshape(-1, 2, 2, len(kappa))
     before, after = h / 2 * pushes[:, :-1], h / 2 * pushes[:, 1:]
-    height, potential = begin @ liquid.axes
-    potential = potential / kappa
-    states = [(height, potential)]
-    for index, (a, b, c, d) in enumerate(rows_ahead):
-        u, v = height + before[0, index], potential + before[1, index]
-        height = a * u + b * v + after[0, index]
-        potential = c * u + d * v + after[1, index]
-        states.append((height, potential))
-    found = np.array(states) * np.stack([np.ones_like(kappa), kappa]) * still.conj()[:, None]
+    pushed = np.einsum("kxyl,ykl->kxl", onwards, before) + np.moveaxis(after, 1, 0)
+    scale = np.stack([np.ones_like(kappa), kappa])
+    states = np.empty((len(h) + 1, *scale.shape), complex)
+    states[0] = begin @ liquid.axes / scale
+    for step, push, state, following in zip(onwards, pushed, states[:-1], states[1:], strict=True):
+        np.add((step * state).sum(axis=1), push, out=following)  # in few calls, which take all the time
+    found = states * scale * still.conj()[:, None]
     return np.real(found @ liquid.axes.conj().T)
