@@ -39,19 +39,32 @@ def planned_once(name: str, planned: Callable[[], Plan]) -> Plan:
         name: of the example.
         planned: makes the plan where there is none; what another state of the package has made is removed.
     """
-    place = FOLDER / name / _digest()
-    whole = place.with_suffix(".pickle")
+    whole = _place(name)
     FOLDER.mkdir(parents=True, exist_ok=True)
     with FileLock(FOLDER / f"{name}.lock"):
         if not whole.is_file():
             made = planned()
-            shutil.rmtree(place.parent, ignore_errors=True)
-            made.with_second_looks().save(place)
+            shutil.rmtree(whole.parent, ignore_errors=True)
+            whole.parent.mkdir(parents=True)
             whole.write_bytes(pickle.dumps(made))
         return pickle.loads(whole.read_bytes())
 
 
-def kept(name: str) -> Path | None:
-    """The plan folder of an example, without figures; None where this state of the package has made none."""
-    place = FOLDER / name / _digest()
-    return place if place.is_dir() else None
+def kept(name: str) -> Plan | None:
+    """The plan of an example as it was made, without second looks; None where this state of the package has made none.
+
+    Second looks take half as long as the plan. They are for the pages, which print them: `python -m tests.example_plans
+    NAME FOLDER` writes the plan folder with them.
+    """
+    whole = _place(name)
+    return pickle.loads(whole.read_bytes()) if whole.is_file() else None
+
+
+def _place(name: str) -> Path:
+    return FOLDER / name / f"{_digest()}.pickle"
+
+
+if __name__ == "__main__":
+    made = kept(sys.argv[1])
+    assert made is not None
+    made.save(sys.argv[2])

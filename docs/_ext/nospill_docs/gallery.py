@@ -6,7 +6,6 @@ import contextlib
 import importlib.util
 import json
 import os
-import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -19,7 +18,7 @@ from nospill.scenario.examples import EXAMPLES, example_path
 from nospill_docs.environment import once_for_a_page
 from nospill_docs.places import Places, copy_if_changed, write_if_changed
 from nospill_docs.tables import markdown_table
-from tests.example_plans import kept
+from tests.example_plans import REPOSITORY, kept
 
 CAPTIONS: dict[str, str] = {
     "summary": "Summary sheet: path, certificate, what holds the motion back, heights, joint speeds.",
@@ -66,24 +65,28 @@ def planned_example(places: Places, name: str) -> Path:
 
 def _plan(name: str, folder: Path) -> None:
     """A plan folder with all figures, of the plan that the tests have made of it or of a new one."""
-    known = kept(name)
-    if known is None:
+    if kept(name) is None:
         _nospill("plan", name, "--all-figures", "-o", str(folder))
     else:
-        shutil.copytree(known, folder)
+        _python("-m", "tests.example_plans", name, str(folder))
         _nospill("plot", str(folder))
 
 
 def _nospill(*arguments: str) -> None:
-    """Run the command line in a process of its own; what it prints is shown only if it fails.
+    """Run the command line in a process of its own."""
+    _python("-c", "from nospill.cli import main; main()", *arguments)
+
+
+def _python(*arguments: str) -> None:
+    """Run Python in a process of its own, in the repository; what it prints is shown only if it fails.
 
     Raises:
-        RuntimeError: the command failed.
+        RuntimeError: it failed.
     """
-    program = [sys.executable, "-c", "from nospill.cli import main; main()", *arguments]
-    done = subprocess.run(program, env=once_for_a_page(), text=True, capture_output=True, check=False)
+    program = [sys.executable, *arguments]
+    done = subprocess.run(program, cwd=REPOSITORY, env=once_for_a_page(), text=True, capture_output=True, check=False)
     if done.returncode:
-        raise RuntimeError(f"nospill {' '.join(arguments)} failed ({done.returncode}): {done.stderr.strip()[-400:]}")
+        raise RuntimeError(f"{' '.join(arguments)} failed ({done.returncode}): {done.stderr.strip()[-400:]}")
 
 
 def viewer_is_there() -> bool:
