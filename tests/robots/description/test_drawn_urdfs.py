@@ -17,7 +17,8 @@ from nospill.robots.kinematics.forward import Kinematics
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
 from tests.drawn_urdfs import DEFECTS, DrawnUrdf, drawn_urdf
 
-pytestmark = pytest.mark.oracle
+# Every file is an arm of its own, seen in a few states: to compile its functions takes longer than all the rest.
+pytestmark = [pytest.mark.oracle, pytest.mark.usefixtures("in_virtual_machine")]
 STATES = 3
 REFUSED = ("millimetres", "rpy in degrees")
 

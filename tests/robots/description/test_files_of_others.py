@@ -57,6 +57,7 @@ def doubts(arm: UrdfArm) -> dict[str, str]:
 
 @given(st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3))
 @settings(max_examples=30, deadline=None)
+@pytest.mark.usefixtures("in_virtual_machine")
 def test_the_turn_that_a_leaning_tip_is_told_sets_it_right(rpy: list[float]) -> None:
     """Followed, the tip's z axis is that of the last joint, by the kinematics, and nothing is left to question."""
     text = text_of(tip_rpy=" ".join(map(repr, rpy)))

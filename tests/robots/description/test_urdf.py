@@ -220,6 +220,7 @@ def test_rotations_survive_their_angles(rpy: list[float], axis: list[float]) -> 
 
 @given(st.data())
 @settings(max_examples=15, deadline=None)
+@pytest.mark.usefixtures("in_virtual_machine")
 def test_base_and_lock_are_built_in(data: st.DataObject) -> None:
     """The flange of the mounted arm with one joint locked is that of the whole arm at that angle, moved by the base."""
     angles = st.floats(-2.0, 2.0)
