@@ -214,6 +214,7 @@ def test_features_meet_on_a_path_of_seven_joints(tmp_path) -> None:
     """Stops, tolerances, a range of speeds, an obstacle, kept and read again; a wall in the way is named."""
     robot, points = ARMS["seven"]
     own = table(points, robot=robot, join="stops")
+    own["planning"] = {"intervals": 50}
     own["cargo"][0]["tolerance"] = {"mass": "10 %"}
     own["motion"] = {"speed_range": ["50 %", "100 %"], "max_speed": "0.6 m/s"}
     own["obstacle"] = [{"name": "wall", "shape": "box", "size": ["0.1 m", "1 m", "1 m"], "at": ["1.2 m", 0, "0.5 m"]}]

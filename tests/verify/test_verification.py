@@ -87,8 +87,8 @@ def test_thresholds_decide_after_shorter_steps_and_must_be_above_zero(
 
 
 @pytest.mark.slow
-def test_same_plan_gives_the_same_figures(smooth_plan: Plan) -> None:
-    assert verify(smooth_plan) == verify(smooth_plan)
+def test_same_plan_gives_the_same_figures(one_cup: Plan) -> None:
+    assert verify(one_cup) == verify(one_cup)
 
 
 def test_joint_file_is_what_drives_the_simulation(folder: Path, smooth_plan: Plan) -> None:
@@ -168,6 +168,7 @@ def test_what_slides_is_found_when_friction_was_overstated_and_nothing_else(
     planned = example_plan(name)
     scene, table = planned.scene, cast(Any, planned.scene.source)
     assert planned.certificate.ok
+    scene = scene.changed({"cargo": table["cargo"][:2]})  # one beside the other; the other two are like them
     for factor, holds in ((1.2, True), (short, False)):
         real = with_friction(scene, factor * float(table["tray"]["friction"]))
         assert verify(replace(planned, scene=real)).ok is holds
