@@ -103,11 +103,22 @@ def internal_errors_are_shown() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def few_speeds_on_figures() -> Iterator[None]:
-    """The curve over the other speeds has three points instead of 19; commands in processes of their own have all."""
+def few_other_speeds() -> Iterator[None]:
+    """Plans that are saved, printed and drawn are looked at at three other speeds instead of 12 and 19.
+
+    Commands in processes of their own have all, and so has a test that says so (`every_other_speed`).
+    """
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("nospill.certification.other_speeds.uses_at.__defaults__", ((0.1, 0.5, 0.95),))
         patch.setattr("nospill.plots.evidence._SPEEDS", (0.1, 0.5, 1.0))
         yield
+
+
+@pytest.fixture
+def every_other_speed(monkeypatch: pytest.MonkeyPatch) -> None:
+    from nospill.certification.other_speeds import SPEEDS, uses_at
+
+    monkeypatch.setattr(uses_at, "__defaults__", (SPEEDS,))
 
 
 @pytest.fixture(scope="session")

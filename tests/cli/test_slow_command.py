@@ -37,6 +37,7 @@ def test_where_no_motion_on_the_way_holds_the_other_is_named(gentle_plan, tmp_pa
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("every_other_speed")
 def test_another_way_is_twice_the_duration_and_certified(gentle_plan, tmp_path: Path) -> None:
     plan = gentle_plan("pp-two-cups", 1)
     plan.save(tmp_path / "fast")
