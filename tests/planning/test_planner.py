@@ -121,25 +121,14 @@ class Stopper:
             raise self.error
 
 
-@pytest.mark.parametrize(
-    ("phase", "iteration"),
-    [
-        ("kinematics", None),
-        ("build", None),
-        ("solve", None),
-        ("solve", 5),
-        ("certify", None),
-    ],
-)
-def test_an_interrupt_ends_planning_at_once_and_leaves_nothing(
-    phase: str, iteration: int | None, watched: tuple[Plan, list[PlanningProgress]]
-) -> None:
+def test_an_interrupt_ends_planning_at_once_and_leaves_nothing(watched: tuple[Plan, list[PlanningProgress]]) -> None:
     usual, _ = watched
-    stop = Stopper(KeyboardInterrupt(), phase, iteration)
-    with pytest.raises(KeyboardInterrupt) as raised:
-        plan(usual.scene, progress=stop)
-    assert raised.value is stop.error and stop.raised == 1
-    # Nothing is left of it: the next plan is as if nothing had been, and nobody looked on.
+    for phase, iteration in (("kinematics", None), ("build", None), ("solve", None), ("solve", 5), ("certify", None)):
+        stop = Stopper(KeyboardInterrupt(), phase, iteration)
+        with pytest.raises(KeyboardInterrupt) as raised:
+            plan(usual.scene, progress=stop)
+        assert raised.value is stop.error and stop.raised == 1, phase
+    # Nothing is left of any: the next plan is as if nothing had been, and nobody looked on.
     assert plan(usual.scene).duration == pytest.approx(usual.duration, rel=1e-9)
 
 

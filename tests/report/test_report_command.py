@@ -78,6 +78,7 @@ def test_the_page_is_named_as_the_folder_was(
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")  # the pages without a PDF have them
 def test_pdf_and_names_of_ones_own(folder: Path, tmp_path: Path) -> None:
     page, pdf = tmp_path / "a.html", tmp_path / "b.pdf"
     result = nospill("report", folder, "-o", page, "--pdf", pdf)
