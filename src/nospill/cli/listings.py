@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -52,9 +52,12 @@ def robots(
     )
     print()
     print_table(
-        ("robot", "interfaces, for [controller] interface"),
+        ("robot", "interfaces, for controller.interface"),
         [(row["name"], ", ".join(row["interfaces"]) or "none known") for row in table],
     )
+    print()
+    known = [(row["name"], item["by"], _late(item)) for row in table for item in row["tracking"]]
+    print_table(("robot", "asked by", "known to be late by"), known)
     print()
     print_table(("robot", "not known"), [(row["name"], "; ".join(map(str, row["not_known"]))) for row in table])
     return 0
@@ -72,3 +75,9 @@ def schema(
     else:
         print_json(scenario_schema())
     return 0
+
+
+def _late(known: dict[str, Any]) -> str:
+    """How late an arm is known to be: "0.3 to 3.1 ms between joints"."""
+    first, last = known["late_ms"]
+    return f"{first:.3g} to {last:.3g} ms between joints" if known["between_known"] else f"{last:.3g} ms in all joints"

@@ -18,6 +18,7 @@ from nospill.certification.certificate import Judgement, judge
 from nospill.certification.full_model import with_full_model
 from nospill.certification.height_order import height_orders
 from nospill.certification.histories import ContactLoad, History, ModalStates, contact_load, history_of, modal_states
+from nospill.certification.known_arm import beside
 from nospill.certification.limiting import limiting_text, savings_text
 from nospill.certification.other_speeds import SpeedUse, uses_at
 from nospill.certification.replay import tray_from_joints
@@ -113,8 +114,12 @@ class Plan:
 
     @property
     def survival_text(self) -> str:
-        """The same in a sentence without a full stop, of a plan that was printed or saved; else empty."""
-        return "" if self.maxima.survival is None else self.maxima.survival.text
+        """The same in a sentence without a full stop, of a plan that was printed or saved; else empty.
+
+        Beside it stands what the arm is known for, and what to state where it survives less than that.
+        """
+        found = self.maxima.survival
+        return "" if found is None else "; ".join(filter(None, (found.text, beside(found, self.scene))))
 
     @property
     def comparison(self) -> tuple[str, ...]:

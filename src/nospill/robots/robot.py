@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nospill.core.arrays import read_only
+from nospill.robots.tracking import KnownTracking
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +136,7 @@ class Robot:
         notes: what was assumed when its description was read, one sentence each, for people.
         doubts: what in its description is hardly meant, or stated and not applied.
         interfaces: by which it takes commands, names of `interfaces.INTERFACES`; None where nobody says.
+        tracking: how late others found it to be; nothing is planned with it.
     """
 
     name: str
@@ -163,3 +165,4 @@ class Robot:
     braking: Braking | None = None
     doubts: tuple[Doubt, ...] = ()
     interfaces: tuple[str, ...] | None = None
+    tracking: tuple[KnownTracking, ...] = ()

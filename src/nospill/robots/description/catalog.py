@@ -16,6 +16,7 @@ from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
 from nospill.robots.description.urdf import NO_LOCKS, NO_TURN, WORLD, BasePose, read_arm
 from nospill.robots.robot import Braking, LinkCapsule, LinkMesh, PackagedMeshes, Robot
+from nospill.robots.tracking import known_tracking
 
 ROBOTS: dict[str, str] = {
     "comau-smart-six": "comau-smart-six",
@@ -74,6 +75,7 @@ def load_robot(name: str) -> Robot:
         meshes=_packaged(facts["meshes"]) if "meshes" in facts else None,
         braking=_braking(facts["braking"]) if "braking" in facts else None,
         interfaces=tuple(facts["interfaces"]) if "interfaces" in facts else None,
+        tracking=tuple(map(known_tracking, facts.get("tracking", ()))),
     )
 
 
@@ -130,8 +132,8 @@ def robot_table() -> list[dict[str, Any]]:
     Returns:
         Rows with the keys name, title, joint_count, joints, tip, reach_m, payload_kg, lower_deg, upper_deg,
         max_speed_deg_s, braking_deceleration_rad_s2, braking_offset_rad_s, max_acceleration_rad_s2, max_jerk_rad_s3,
-        max_torque_nm (None where nobody states it), inertias_known, home_deg, base_frame, interfaces, sources,
-        not_known.
+        max_torque_nm (None where nobody states it), inertias_known, home_deg, base_frame, interfaces, tracking,
+        sources, not_known.
     """
     return [_row(load_robot(name)) for name in ROBOTS]
 
@@ -157,6 +159,15 @@ def _row(robot: Robot) -> dict[str, Any]:
         "home_deg": None if robot.home is None else _degrees(robot.home),
         "base_frame": robot.base_frame,
         "interfaces": list(robot.interfaces or ()),
+        "tracking": [
+            {
+                "by": item.by,
+                "late_ms": [1e3 * late for late in item.late],
+                "between_known": item.between_known,
+                "source": item.source,
+            }
+            for item in robot.tracking
+        ],
         "sources": dict(robot.sources),
         "not_known": list(robot.not_known),
     }
