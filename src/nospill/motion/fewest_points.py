@@ -21,33 +21,38 @@ def part_of(samples: JointSamples, rows: np.ndarray) -> JointSamples:
     return JointSamples(samples.t[rows], samples.position[rows], *derivatives)
 
 
-def fewest_points(samples: JointSamples, tolerance: float) -> np.ndarray:
+def compared_at(samples: JointSamples) -> np.ndarray:
+    """The instants (f,), s, at which accelerations are compared."""
+    last = len(samples.t) - 1
+    return np.interp(np.linspace(0, last, BETWEEN * last + 1), np.arange(last + 1), samples.t)
+
+
+def fewest_points(samples: JointSamples, tolerance: float | np.ndarray) -> np.ndarray:
     """The rows of samples that keep the acceleration of every joint within a tolerance, each segment as long as may be.
 
     Args:
         samples: (m,) candidates, with speeds and accelerations; what is between them is a quintic per segment.
-        tolerance: rad/s^2, of what the quintics through the points that are left make of it.
+        tolerance: rad/s^2, of what the quintics through the points that are left make of it; (f,) of every instant of
+            `compared_at`, or the same for all.
 
     Returns:
         (k,) rows in ascending order, the first and the last among them.
     """
-    last = len(samples.t) - 1
-    fine = np.linspace(0, last, BETWEEN * last + 1)
-    t = np.interp(fine, np.arange(last + 1), samples.t)
-    wanted = QUINTIC_HERMITE.motion(samples)(t, 2)
+    last, t = len(samples.t) - 1, compared_at(samples)
+    wanted, tolerance = QUINTIC_HERMITE.motion(samples)(t, 2), np.broadcast_to(tolerance, len(t))
     rows = [0]
     while rows[-1] < last:
         rows.append(_farthest(samples, rows[-1], t, wanted, tolerance))
     return np.array(rows)
 
 
-def _farthest(samples: JointSamples, first: int, t: np.ndarray, wanted: np.ndarray, tolerance: float) -> int:
+def _farthest(samples: JointSamples, first: int, t: np.ndarray, wanted: np.ndarray, tolerance: np.ndarray) -> int:
     """The end of the longest segment from a row, found by doubling its length and then halving what was added."""
 
     def holds(end: int) -> bool:
         within = slice(BETWEEN * first, BETWEEN * end + 1)
         segment = QUINTIC_HERMITE.motion(part_of(samples, np.array([first, end])))
-        return bool(np.max(np.abs(segment(t[within], 2) - wanted[within])) <= tolerance)
+        return bool(np.all(np.abs(segment(t[within], 2) - wanted[within]) <= tolerance[within, None]))
 
     last = len(samples.t) - 1
     good, step = first + 1, 1

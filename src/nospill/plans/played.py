@@ -11,12 +11,13 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.certification.certificate import certify
-from nospill.certification.verdict import Certificate
+from nospill.certification.verdict import Certificate, Row
 from nospill.errors import NospillError, ScenarioError
 from nospill.export import Exporter
+from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.jerk import OffsetJerk, PathJerk, TiltJerk, YawJerk
 from nospill.motion.control import asked_by, commanded_at, followed
-from nospill.motion.fewest_points import fewest_points, part_of
+from nospill.motion.fewest_points import compared_at, fewest_points, part_of
 from nospill.motion.holds import held_samples, hold_periods
 from nospill.motion.interpolation import JointMotion, JointSamples
 from nospill.motion.resampling import interpolated
@@ -32,6 +33,8 @@ _TOLERANCES = (3e-4, 3.0)
 """rad/s^2; few points are looked for between these distances of the accelerations from the plan's."""
 _HALVINGS = 7
 """Of the logarithm of the range: within 7 %, which is a point or two."""
+_LOOSER, _CLOSER, _ROUNDS = 10.0, 0.3, 8
+"""Times the distance that fails everywhere, from which it is made smaller where rows fail; by what, and how often."""
 
 
 def planned_samples(plan: Plan, rate: float) -> JointSamples:
@@ -105,8 +108,9 @@ def certified(plan: Plan, samples: JointSamples, motion: JointMotion) -> Certifi
 def fewest_certified(plan: Plan, exporter: Exporter, samples: JointSamples, most: int, key: str) -> JointSamples:
     """The fewest of the samples that stay certified as the receiver plays them; `key` is where `most` was stated.
 
-    The fewer there are, the farther the receiver's accelerations are from those of the plan: the largest distance that
-    is still certified is found by halving its logarithm.
+    The fewer there are, the farther the receiver's accelerations are from those of the plan. The largest distance that
+    is certified everywhere is found by halving its logarithm; then a larger one is made smaller where rows fail alone,
+    since a motion stands on its limits for some of its time.
 
     Raises:
         ScenarioError: the receiver takes even samples only, or there are more than `most`.
@@ -115,16 +119,19 @@ def fewest_certified(plan: Plan, exporter: Exporter, samples: JointSamples, most
         raise ScenarioError(
             f"{exporter.name}: is played a row a period, evenly spaced; leave {key} out, or take joint-trajectory"
         )
-    best = None
+    least = samples
     close, far = map(math.log, _TOLERANCES)
     for _ in range(_HALVINGS):
         tolerance = (close + far) / 2.0
         few = part_of(samples, fewest_points(samples, math.exp(tolerance)))
-        if _bears(plan, few, exporter.interpolation.motion(few)):
-            best, close = few, tolerance
+        found = _judged(plan, exporter, few)
+        if found is not None and found.ok:
+            least, close = few, tolerance
         else:
             far = tolerance
-    least = samples if best is None else best
+    fewer = _tightened_locally(plan, exporter, samples, _LOOSER * math.exp(far))
+    if fewer is not None and len(fewer.t) < len(least.t):
+        least = fewer
     if len(least.t) > most:
         raise ScenarioError(
             f"{key} {most}: {len(least.t)} points are the fewest that stay certified; "
@@ -133,8 +140,36 @@ def fewest_certified(plan: Plan, exporter: Exporter, samples: JointSamples, most
     return least
 
 
-def _bears(plan: Plan, samples: JointSamples, motion: JointMotion) -> bool:
+def _tightened_locally(plan: Plan, exporter: Exporter, samples: JointSamples, loose: float) -> JointSamples | None:
+    """Few points within a distance, rad/s^2, that is smaller about the instants at which rows failed; None for none."""
+    t = compared_at(samples)
+    tolerance = np.full(len(t), loose)
+    for _ in range(_ROUNDS):
+        few = part_of(samples, fewest_points(samples, tolerance))
+        found = _judged(plan, exporter, few)
+        if found is None:
+            tolerance *= _CLOSER
+            continue
+        if found.ok:
+            return few
+        clock = lead_of(plan, few) - plan.trajectory.t[0]
+        for row in found.rows:
+            if not row.ok:
+                tolerance[_about(t, few.t, row, clock)] *= _CLOSER
+    return None
+
+
+def _about(t: np.ndarray, points: np.ndarray, row: Row, clock: float) -> np.ndarray:
+    """Which of the instants t are in the segment in which a row failed or beside it; all, of the final state."""
+    if row.constraint in END_NAMES:
+        return np.ones(len(t), dtype=bool)
+    after = int(np.searchsorted(points, row.at_s + clock))
+    return (t >= points[max(after - 2, 0)]) & (t <= points[min(after + 1, len(points) - 1)])
+
+
+def _judged(plan: Plan, exporter: Exporter, samples: JointSamples) -> Certificate | None:
+    """The certificate of samples as the receiver plays them; None where a liquid leaves its cup."""
     try:
-        return certified(plan, samples, motion).ok
-    except NospillError:  # a liquid that leaves its cup
-        return False
+        return certified(plan, samples, exporter.interpolation.motion(samples))
+    except NospillError:
+        return None
