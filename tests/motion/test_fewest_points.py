@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from nospill.motion.fewest_points import fewest_points, part_of
+from nospill.motion.fewest_points import compared_at, fewest_points, part_of
 from nospill.motion.interpolation import QUINTIC_HERMITE, JointSamples
 
 
@@ -66,3 +66,21 @@ def test_part_of_keeps_every_column(rows: list[int]) -> None:
     assert part.speed is not None and samples.speed is not None
     np.testing.assert_array_equal(part.speed, samples.speed[rows])
     assert part_of(JointSamples(samples.t, samples.position), np.array(rows)).speed is None
+
+
+def test_a_tolerance_of_some_instants_puts_points_there_alone() -> None:
+    t = np.linspace(0.0, 1.0, 401)[:, None]
+    whole = JointSamples(t[:, 0], np.sin(30.0 * t), 30.0 * np.cos(30.0 * t), -900.0 * np.sin(30.0 * t))
+    at = compared_at(whole)
+    everywhere = fewest_points(whole, 1.0)
+    some = fewest_points(whole, np.where((at > 0.4) & (at < 0.6), 1e-3, 1.0))
+    inside = [np.sum((whole.t[rows] > 0.4) & (whole.t[rows] < 0.6)) for rows in (everywhere, some)]
+    outside = [len(rows) - count for rows, count in zip((everywhere, some), inside, strict=True)]
+    assert inside[1] > 2 * inside[0]
+    assert outside[1] <= outside[0] + 2
+
+
+def test_no_segment_is_longer_than_it_may_be() -> None:
+    samples = sampled(some_knots(2, [0.0, 1.0]), 301)
+    assert np.max(np.diff(samples.t[fewest_points(samples, 1e-6, longest=0.11)])) <= 0.11
+    assert len(fewest_points(samples, 1e-6, longest=1e-4)) == 301

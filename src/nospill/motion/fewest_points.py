@@ -27,13 +27,14 @@ def compared_at(samples: JointSamples) -> np.ndarray:
     return np.interp(np.linspace(0, last, BETWEEN * last + 1), np.arange(last + 1), samples.t)
 
 
-def fewest_points(samples: JointSamples, tolerance: float | np.ndarray) -> np.ndarray:
+def fewest_points(samples: JointSamples, tolerance: float | np.ndarray, longest: float = np.inf) -> np.ndarray:
     """The rows of samples that keep the acceleration of every joint within a tolerance, each segment as long as may be.
 
     Args:
         samples: (m,) candidates, with speeds and accelerations; what is between them is a quintic per segment.
         tolerance: rad/s^2, of what the quintics through the points that are left make of it; (f,) of every instant of
             `compared_at`, or the same for all.
+        longest: s, of a segment; one between neighbouring candidates may be longer.
 
     Returns:
         (k,) rows in ascending order, the first and the last among them.
@@ -42,14 +43,18 @@ def fewest_points(samples: JointSamples, tolerance: float | np.ndarray) -> np.nd
     wanted, tolerance = QUINTIC_HERMITE.motion(samples)(t, 2), np.broadcast_to(tolerance, len(t))
     rows = [0]
     while rows[-1] < last:
-        rows.append(_farthest(samples, rows[-1], t, wanted, tolerance))
+        rows.append(_farthest(samples, rows[-1], t, wanted, tolerance, longest))
     return np.array(rows)
 
 
-def _farthest(samples: JointSamples, first: int, t: np.ndarray, wanted: np.ndarray, tolerance: np.ndarray) -> int:
+def _farthest(
+    samples: JointSamples, first: int, t: np.ndarray, wanted: np.ndarray, tolerance: np.ndarray, longest: float
+) -> int:
     """The end of the longest segment from a row, found by doubling its length and then halving what was added."""
 
     def holds(end: int) -> bool:
+        if end > first + 1 and samples.t[end] - samples.t[first] > longest:
+            return False
         within = slice(BETWEEN * first, BETWEEN * end + 1)
         segment = QUINTIC_HERMITE.motion(part_of(samples, np.array([first, end])))
         return bool(np.all(np.abs(segment(t[within], 2) - wanted[within]) <= tolerance[within, None]))

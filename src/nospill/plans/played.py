@@ -11,10 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.certification.certificate import certify
-from nospill.certification.verdict import Certificate, Row
+from nospill.certification.verdict import Certificate
 from nospill.errors import NospillError, ScenarioError
 from nospill.export import Exporter
-from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.jerk import OffsetJerk, PathJerk, TiltJerk, YawJerk
 from nospill.motion.control import asked_by, commanded_at, followed
 from nospill.motion.fewest_points import compared_at, fewest_points, part_of
@@ -33,8 +32,9 @@ _TOLERANCES = (3e-4, 3.0)
 """rad/s^2; few points are looked for between these distances of the accelerations from the plan's."""
 _HALVINGS = 7
 """Of the logarithm of the range: within 7 %, which is a point or two."""
-_LOOSER, _CLOSER, _ROUNDS = 10.0, 0.3, 8
-"""Times the distance that fails everywhere, from which it is made smaller where rows fail; by what, and how often."""
+_LOOSER, _CLOSER, _SHORTER, _ROUNDS = 10.0, 0.3, 0.7, 8
+"""Times the distance that fails everywhere, from which it is made smaller where rows fail; by what, the longest segment
+likewise where rows of liquids do, and how often."""
 
 
 def planned_samples(plan: Plan, rate: float) -> JointSamples:
@@ -109,8 +109,8 @@ def fewest_certified(plan: Plan, exporter: Exporter, samples: JointSamples, most
     """The fewest of the samples that stay certified as the receiver plays them; `key` is where `most` was stated.
 
     The fewer there are, the farther the receiver's accelerations are from those of the plan. The largest distance that
-    is certified everywhere is found by halving its logarithm; then a larger one is made smaller where rows fail alone,
-    since a motion stands on its limits for some of its time.
+    is certified everywhere is found by halving its logarithm; then a larger one is made smaller only where rows fail,
+    since a motion stands on each of its limits for some of its time.
 
     Raises:
         ScenarioError: the receiver takes even samples only, or there are more than `most`.
@@ -141,29 +141,31 @@ def fewest_certified(plan: Plan, exporter: Exporter, samples: JointSamples, most
 
 
 def _tightened_locally(plan: Plan, exporter: Exporter, samples: JointSamples, loose: float) -> JointSamples | None:
-    """Few points within a distance, rad/s^2, that is smaller about the instants at which rows failed; None for none."""
+    """Few points within a distance, rad/s^2, that is smaller about the instants at which rows failed; None for none.
+
+    A liquid answers to all that went before, but hardly to what is fast beside its swing: a quintic that meets both
+    ends of a short segment is off by nothing in the mean. So where a row of a liquid fails, segments are shorter.
+    """
     t = compared_at(samples)
-    tolerance = np.full(len(t), loose)
+    tolerance, longest = np.full(len(t), loose), np.inf
     for _ in range(_ROUNDS):
-        few = part_of(samples, fewest_points(samples, tolerance))
+        few = part_of(samples, fewest_points(samples, tolerance, longest))
         found = _judged(plan, exporter, few)
-        if found is None:
-            tolerance *= _CLOSER
-            continue
-        if found.ok:
+        if found is not None and found.ok:
             return few
+        failed = [] if found is None else [row for row in found.rows if not row.ok]
+        if found is None or any(row.of_liquid for row in failed):
+            longest = _SHORTER * float(np.max(np.diff(few.t)))
         clock = lead_of(plan, few) - plan.trajectory.t[0]
-        for row in found.rows:
-            if not row.ok:
-                tolerance[_about(t, few.t, row, clock)] *= _CLOSER
+        for row in failed:
+            if not row.of_liquid:
+                tolerance[_about(t, few.t, row.at_s + clock)] *= _CLOSER
     return None
 
 
-def _about(t: np.ndarray, points: np.ndarray, row: Row, clock: float) -> np.ndarray:
-    """Which of the instants t are in the segment in which a row failed or beside it; all, of the final state."""
-    if row.constraint in END_NAMES:
-        return np.ones(len(t), dtype=bool)
-    after = int(np.searchsorted(points, row.at_s + clock))
+def _about(t: np.ndarray, points: np.ndarray, time: float) -> np.ndarray:
+    """Which of the instants t are in the segment of a time, or in the one before it."""
+    after = int(np.searchsorted(points, time))
     return (t >= points[max(after - 2, 0)]) & (t <= points[min(after + 1, len(points) - 1)])
 
 
