@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.replay import Replay
 from nospill.certification.second_order import AFTER_END, heights_after, waves_along, with_second_order
 from nospill.certification.wording import linear_heights_line
 from nospill.errors import ScenarioError
 from nospill.motion.at_speed import at_speed
 from nospill.planning.planner import plan
-from nospill.plans.warnings.second_order import motion_rows
-from nospill.potential_flow import driven, second_order_along
+from nospill.potential_flow import BodyRows, driven, rows_at, second_order_along
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
@@ -38,6 +38,18 @@ def both(smooth_motion: Callable) -> tuple[Scene, Judgement, Judgement]:
     return scene, linear, judge_motion(slow, _with_order(scene))
 
 
+def _motion_rows(replay: Replay, scene: Scene, cargo: Cargo) -> BodyRows:
+    """Motion of a container as it was judged, the tray at rest afterwards."""
+    rest = np.concatenate([np.zeros(6), replay.tray.rotation[-1].T @ np.array([0.0, 0.0, scene.gravity])])
+
+    def rows(t: np.ndarray) -> np.ndarray:
+        body = np.stack([np.interp(t, replay.t, row) for row in replay.body])
+        body[:, t > replay.t[-1]] = rest[:, None]
+        return rows_at(body, np.array([*cargo.position, 0.0]), cargo.yaw)
+
+    return rows
+
+
 def _crests(judgement: Judgement) -> dict[str, np.ndarray]:
     return {trace.subject: trace.value for trace in judgement.traces if trace.constraint == "slosh height"}
 
@@ -46,7 +58,7 @@ def test_a_cup_crests_as_the_flow_has_it(both: tuple[Scene, Judgement, Judgement
     scene, linear, judgement = both
     cargo = next(item for item in scene.cargo if item.name == "cup")
     replay = judgement.replay
-    rows = motion_rows(replay, scene, cargo)
+    rows = _motion_rows(replay, scene, cargo)
     flow = second_order_along(cargo, rows, float(replay.t[0]), float(replay.t[-1]), after=0.0)
     found = np.interp(flow.t, replay.t, _crests(judgement)["cup"])
     before = np.interp(flow.t, replay.t, _crests(linear)["cup"])
@@ -59,7 +71,7 @@ def test_what_is_left_is_what_the_flow_leaves(both: tuple[Scene, Judgement, Judg
     """The flow has the linear modes without the paraboloid, integrated along with the second order."""
     (scene, _, judgement), name = both, "cup"
     cargo, replay = next(item for item in scene.cargo if item.name == name), judgement.replay
-    rows = motion_rows(replay, scene, cargo)
+    rows = _motion_rows(replay, scene, cargo)
     flow = second_order_along(cargo, rows, float(replay.t[0]), float(replay.t[-1]), after=AFTER_END)
     (row,) = [row for row in judgement.certificate.rows if row.id == ("residual height", name)]
     assert row.worst_value == pytest.approx(flow.after_end, rel=0.05)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nospill.certification.certificate import judge_motion
+from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.verdict import Certificate
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
@@ -28,6 +28,15 @@ def full_scene(scene: Scene) -> Scene:
     return replace(scene, fidelity="full", cargo=cargo, slosh_modes=count, obstacles=())
 
 
+def judged_in_full(judgement: Judgement, trajectory: Trajectory, scene: Scene) -> Judgement:
+    """The judgement of the same motion by the full model: the one at hand where the scene has all of it.
+
+    Raises:
+        ModelError: the liquids cannot be integrated.
+    """
+    return judgement if _is_full(scene) else judge_motion(trajectory, full_scene(scene))
+
+
 def with_full_model(
     certificate: Certificate, trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None
 ) -> Certificate:
@@ -40,7 +49,18 @@ def with_full_model(
     """
     if certificate.full_model is not None:
         return certificate
-    if scene.fidelity == "full" and scene.fewer_modes is None:
+    if _is_full(scene):
         return replace(certificate, full_model=())
-    rows = judge_motion(trajectory, full_scene(scene), motion=motion).certificate.rows
+    return with_rows_of(certificate, judge_motion(trajectory, full_scene(scene), motion=motion), scene)
+
+
+def with_rows_of(certificate: Certificate, full: Judgement, scene: Scene) -> Certificate:
+    """The same from a judgement at hand, as `judged_in_full` has it."""
+    if certificate.full_model is not None:
+        return certificate
+    rows = () if _is_full(scene) else full.certificate.rows
     return replace(certificate, full_model=tuple(row for row in rows if not row.ok and row.of_object))
+
+
+def _is_full(scene: Scene) -> bool:
+    return scene.fidelity == "full" and scene.fewer_modes is None

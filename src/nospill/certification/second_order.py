@@ -41,11 +41,11 @@ def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> 
     Slosh heights have the grid of the replay, residual heights instants from which the tray stands. What a stop leaves
     stays that of the modes.
     """
-    liquids, followed = _liquids(scene), dict[str, Waves]()
+    liquids, waves = _liquids(scene), dict[str, Waves]()
 
     def judged(trace: Trace) -> Trace:
         name = trace.subject
-        own = followed[name] = followed.get(name) or _waves(*liquids[name], played)
+        own = waves[name] = waves.get(name) or _waves(*liquids[name], played)
         if trace.constraint == SloshHeight.name:
             value = own.crests
         else:
@@ -72,6 +72,18 @@ def heights_after(scene: Scene, played: Replay, t: np.ndarray) -> dict[str, np.n
         name: _waves(cargo, modes, played).after(-1, t, scene.gravity).crests
         for name, (cargo, modes) in _liquids(scene).items()
     }
+
+
+def followed(scene: Scene, played: Replay, name: str) -> Waves:
+    """A liquid to the second order along a replay, to whatever order its height is judged.
+
+    Args:
+        scene: at full fidelity, as it was played.
+        played: the motion.
+        name: of an object whose second order is known (`unsupported`).
+    """
+    pairs = zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
+    return next(_waves(cargo, modes, played) for cargo, modes in pairs if cargo.name == name)
 
 
 def _liquids(scene: Scene) -> dict[str, tuple[Cargo, slice]]:

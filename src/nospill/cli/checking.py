@@ -57,6 +57,7 @@ def check(
 
 def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
     """Judge a plan, print what is found, and return whether all is well."""
+    from nospill.certification.full_model import judged_in_full
     from nospill.certification.other_speeds import uses_at
     from nospill.certification.wording import finding
     from nospill.export.plan_files import compare_plan_files
@@ -67,7 +68,8 @@ def _check(saved: Plan, folder: Path, *, everything: bool) -> bool:
     certificate = judgement.certificate
     print_certificate(certificate, saved.scene, everything=everything)
     certified = saved.scene.motion.speed_range if certificate.ok else None
-    slower = slower_warnings(saved.scene, judgement, uses_at(saved.trajectory, saved.scene), certified)
+    full = judged_in_full(judgement, saved.trajectory, saved.scene)
+    slower = slower_warnings(saved.scene, judgement, full, uses_at(saved.trajectory, saved.scene), certified)
     print_warnings([*plan_warnings(saved.scene, judgement, saved.report.backoff, saved.report.fallbacks), *slower])
     compared = compare_plan_files(saved.trajectory, saved.scene, folder)
     for name, difference in compared.items():

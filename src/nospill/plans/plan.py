@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from nospill.approach import Segment
 from nospill.certification.certificate import Judgement, judge
-from nospill.certification.full_model import with_full_model
+from nospill.certification.full_model import judged_in_full, with_full_model, with_rows_of
 from nospill.certification.height_order import height_orders
 from nospill.certification.histories import ContactLoad, History, ModalStates, contact_load, history_of, modal_states
 from nospill.certification.known_arm import beside
@@ -233,12 +233,14 @@ class Plan:
 
     def with_second_looks(self) -> Plan:
         """The plan with what the full model sees, what it uses at lower speeds, and what it survives of its arm."""
-        found = replace(self, certificate=with_full_model(self.certificate, self.trajectory, self.scene))
-        found = replace(found, maxima=replace(found.maxima, survival=self.survival))
-        if self.maxima.other_speeds is not None:
-            return found
+        maxima = replace(self.maxima, survival=self.survival)
+        if maxima.other_speeds is not None:
+            known = with_full_model(self.certificate, self.trajectory, self.scene)
+            return replace(self, certificate=known, maxima=maxima)
+        full = judged_in_full(self.evidence, self.trajectory, self.scene)
+        found = replace(self, certificate=with_rows_of(self.certificate, full, self.scene), maxima=maxima)
         uses = uses_at(self.trajectory, self.scene)
-        warnings = (*self.warnings, *slower_warnings(self.scene, self.evidence, uses, found.certified_speeds))
+        warnings = (*self.warnings, *slower_warnings(self.scene, self.evidence, full, uses, found.certified_speeds))
         return replace(found, maxima=replace(found.maxima, other_speeds=uses), warnings=warnings)
 
     def save(

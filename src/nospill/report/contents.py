@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
+from nospill.certification.full_model import judged_in_full
 from nospill.certification.height_order import height_sentence
 from nospill.certification.verdict import Certificate
 from nospill.certification.wording import describe, finding, full_model_note, integrity_line, row_text
@@ -165,7 +166,8 @@ def _warnings(evidence: Evidence) -> TextTable:
     plan = evidence.plan
     found = plan_warnings(plan.scene, evidence.judgement, plan.report.backoff, plan.report.fallbacks)
     speeds = evidence.other_speeds[:-1], plan.certified_speeds
-    found = (*found, *slower_warnings(plan.scene, evidence.judgement, *speeds))
+    full = judged_in_full(evidence.judgement, plan.trajectory, plan.scene)
+    found = (*found, *slower_warnings(plan.scene, evidence.judgement, full, *speeds))
     rows = tuple(warning_rows(found))
     return TextTable(
         "Warnings", ("what", "of", "why"), rows or (("none", "", ""),), note="They leave the verdict as it is."

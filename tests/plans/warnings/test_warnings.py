@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from nospill.certification.certificate import Judgement, judge
+from nospill.certification.certificate import Judgement, judge, judge_motion
+from nospill.certification.full_model import full_scene
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.warnings import WARNINGS, plan_warnings, slower_warnings
@@ -36,6 +37,13 @@ def judgement(smooth_motion) -> Judgement:
     """Of a smooth motion; no solver is involved."""
     motion = smooth_motion(NAME)
     return judge(motion.trajectory, motion.scene)
+
+
+@pytest.fixture(scope="module")
+def full(smooth_motion) -> Judgement:
+    """Of the same motion in the full model."""
+    motion = smooth_motion(NAME)
+    return judge_motion(motion.trajectory, full_scene(motion.scene))
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +104,7 @@ def test_a_crest_above_a_third_of_the_radius(found, judgement: Judgement, crest:
     ids=["over", "within", "low crests are left alone"],
 )
 def test_a_crest_of_second_order_over_its_limit(
-    changed_scene, judgement: Judgement, certified: float, limit: str, warned: bool
+    changed_scene, judgement: Judgement, full: Judgement, certified: float, limit: str, warned: bool
 ) -> None:
     rows = tuple(
         replace(row, worst_value=certified, linear_value=None) if row.id == ("slosh height", "cup") else row
@@ -104,7 +112,7 @@ def test_a_crest_of_second_order_over_its_limit(
     )
     raised = replace(judgement, certificate=replace(judgement.certificate, rows=rows))
     scene = changed_scene(NAME, {"cargo.0.max_slosh_height": limit, "motion.slosh_height": "linear"})
-    warnings = {item.name: item for item in slower_warnings(scene, raised, (), None)}
+    warnings = {item.name: item for item in slower_warnings(scene, raised, full, (), None)}
     assert set(warnings) == ({"second order"} if warned else set())
     for warning in warnings.values():
         assert warning.value is not None and warning.value > 1.03 * 2e-3 and warning.limit == 2e-3
@@ -358,7 +366,7 @@ def test_doubts_about_the_arm_are_warnings(changed_scene: Any) -> None:
     assert told == [PlanWarning("tip", "flange", "it lies square.")]
 
 
-def test_a_crest_of_second_order_is_not_called_linear(found, judgement: Judgement) -> None:
+def test_a_crest_of_second_order_is_not_called_linear(found, judgement: Judgement, full: Judgement) -> None:
     rows = tuple(
         replace(row, worst_value=0.0118, linear_value=0.01) if row.id == ("slosh height", "cup") else row
         for row in judgement.certificate.rows
@@ -366,7 +374,7 @@ def test_a_crest_of_second_order_is_not_called_linear(found, judgement: Judgemen
     warning = found(certificate=replace(judgement.certificate, rows=rows))["crest", "cup"]
     assert "second order is believed" in warning.text and "linear" not in warning.text
     raised = replace(judgement, certificate=replace(judgement.certificate, rows=rows))
-    assert list(slower_warnings(read_scenario(NAME), raised, (), None)) == []
+    assert list(slower_warnings(read_scenario(NAME), raised, full, (), None)) == []
 
 
 @pytest.mark.parametrize(("linear", "warned"), [(0.0041, False), (0.0039, True)])

@@ -88,14 +88,19 @@ def plan_warnings(
 
 
 def slower_warnings(
-    scene: Scene, judgement: Judgement, uses: Sequence[SpeedUse], speed_range: tuple[float, float] | None
+    scene: Scene,
+    judgement: Judgement,
+    full: Judgement,
+    uses: Sequence[SpeedUse],
+    speed_range: tuple[float, float] | None,
 ) -> tuple[PlanWarning, ...]:
     """Warnings that take longer than a warm plan: for a motion that is saved, printed or reported.
 
     Args:
         scene: the task.
         judgement: of the motion, with its replay.
+        full: of the same motion in the full model, as `judged_in_full` has it.
         uses: of the limits at lower speeds.
         speed_range: where a certificate holds, None without one.
     """
-    return (*second_order(Facts(scene, judgement, {})), *other_speeds(uses, speed_range))
+    return (*second_order(Facts(scene, judgement, {}), full), *other_speeds(uses, speed_range))

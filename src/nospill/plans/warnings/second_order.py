@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nospill.certification.replay import Replay
+from nospill.certification.certificate import Judgement
+from nospill.certification.full_model import full_scene
+from nospill.certification.second_order import followed
 from nospill.certification.verdict import Row
 from nospill.core.units import format_quantity
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -15,10 +16,6 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.heights import unsupported
-from nospill.scene.scene import Scene
-
-if TYPE_CHECKING:  # it loads scipy, which a plan does without
-    from nospill.potential_flow import BodyRows
 
 FIRST_ORDER_CREST = 1.0 / 6.0
 """Part of the radius, or of half the side of a box, up to which what the second order adds is not looked at."""
@@ -28,27 +25,33 @@ CREST_ERROR, RESIDUAL_ERROR = 0.03, 0.1
 (docs/slosh-model.md)."""
 
 MOST = 1
-"""Liquids that are followed, those with the highest crests for their size; each takes a quarter of a second."""
+"""Liquids that are followed, those with the highest crests for their size."""
 
 AFTER = 1.0
-"""s at rest after the motion in which the liquid is followed."""
+"""s at rest after the motion in which a liquid's whole flow is followed."""
 
 
-def second_order(facts: Facts) -> Iterator[PlanWarning]:
-    """The crests of second order are over a limit that the linear ones keep; of many liquids the highest are asked."""
+def second_order(facts: Facts, full: Judgement) -> Iterator[PlanWarning]:
+    """The crests of second order are over a limit that the linear ones keep; of many liquids the highest are asked.
+
+    Args:
+        facts: with the rows as they were judged.
+        full: the same motion in the full model, whose waves drive the second order.
+    """
     rows = {(row.constraint, row.subject): row for row in facts.judgement.certificate.rows}
     for cargo, filling in _highest(facts, rows):
-        from nospill.potential_flow import second_order_along
-
-        replay = facts.judgement.replay
-        motion = motion_rows(replay, facts.scene, cargo)
-        found = second_order_along(cargo, motion, float(replay.t[0]), float(replay.t[-1]), after=AFTER)
-        (highest, at), limit, left = found.highest, filling.max_slosh_height, found.after_end
+        waves = followed(full_scene(facts.scene), full.replay, cargo.name)
+        at = int(np.argmax(waves.crests))
+        highest, limit, left = (
+            float(waves.crests[at]),
+            filling.max_slosh_height,
+            waves.highest_after(-1, facts.scene.gravity),
+        )
         after = rows.get((ResidualHeight.name, cargo.name))
         allowed = np.inf if after is None else abs(after.limit)
         in_row = rows[SloshHeight.name, cargo.name].linear_value is not None  # of second order itself
         if (highest > (1 + CREST_ERROR) * limit and not in_row) or left > (1 + RESIDUAL_ERROR) * allowed:
-            parts = [] if in_row else [f"the crest of second order is {_mm(highest)} at {at:.2f} s"]
+            parts = [] if in_row else [f"the crest of second order is {_mm(highest)} at {full.replay.t[at]:.2f} s"]
             parts += [] if in_row else _over(highest, limit)
             if left > (1 + RESIDUAL_ERROR) * allowed:
                 order = " to the second order" if in_row else ""
@@ -85,19 +88,3 @@ def _over(highest: float, limit: float) -> list[str]:
 
 def _mm(length: float) -> str:
     return format_quantity(length, "length", digits=3)
-
-
-def motion_rows(replay: Replay, scene: Scene, cargo: Cargo) -> BodyRows:
-    """Motion of a container as it was judged, the tray at rest afterwards."""
-    up = replay.tray.rotation[-1].T @ np.array([0.0, 0.0, scene.gravity])
-    rest = np.concatenate([np.zeros(6), up])
-    from nospill.potential_flow import rows_at
-
-    place = np.array([*cargo.position, 0.0])
-
-    def rows(t: np.ndarray) -> np.ndarray:
-        body = np.stack([np.interp(t, replay.t, row) for row in replay.body])
-        body[:, t > replay.t[-1]] = rest[:, None]
-        return rows_at(body, place, cargo.yaw)
-
-    return rows
