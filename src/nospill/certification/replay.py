@@ -18,11 +18,10 @@ from nospill.compiled import codegen
 from nospill.compiled.kept import kept
 from nospill.core.frames import SX, FrameMotion, body_motion
 from nospill.core.hermite import cubic_hermite, cubic_hermite_slope
-from nospill.core.trees import flatten
-from nospill.laws.kinds import numbers_of_object, object_kind, symbolic_object
+from nospill.laws.kinds import object_kind, symbolic_object
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import coordinate_count, object_motion
-from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
+from nospill.laws.scene_parameters import flat_object_numbers, initial_coordinates, structure_of
 from nospill.laws.slosh.integrate import SHARED, STEPS, integrate, refined, runge_kutta_step, step_sequence
 from nospill.laws.slosh.motion import modal_accelerations
 from nospill.motion.interpolation import JointMotion
@@ -275,7 +274,7 @@ def liquid_steps(kind: Structure) -> Any:
 
 def _integrate(scene: Scene, body: np.ndarray, length: float) -> np.ndarray:
     """All liquids along a motion sampled at half steps: (m, 2 k), displacements, then velocities."""
-    structure, numbers = structure_of(scene), numbers_of(scene)
+    structure, numbers = structure_of(scene), flat_object_numbers(scene)
     initial, half, count = initial_coordinates(scene), coordinate_count(structure), (body.shape[1] - 1) // 2
     alike: dict[Structure, list[int]] = {}
     for index, item in enumerate(structure.objects):
@@ -290,6 +289,6 @@ def _integrate(scene: Scene, body: np.ndarray, length: float) -> np.ndarray:
             np.array([initial[:, part].ravel() for part in columns]),
             inputs=body,
             lengths=np.full(count, length),
-            parameters=np.array([flatten(numbers_of_object(numbers, index)) for index in indices]),
+            parameters=np.array([numbers[index] for index in indices]),
         )
     return states

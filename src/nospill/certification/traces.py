@@ -25,7 +25,6 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.kinds import (
     functions_of_kind,
     limited_object_kind,
-    numbers_of_object,
     numbers_of_tray,
     symbolic_object,
     symbolic_tray,
@@ -33,7 +32,7 @@ from nospill.laws.kinds import (
 )
 from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
-from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.scene_parameters import flat_object_numbers, numbers_of, structure_of
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.motion.path_deviation import recorded_freedom
 from nospill.motion.trajectory import Trajectory
@@ -144,8 +143,10 @@ def evaluated_traces(
         present = [item for item in constraints if item.evaluated_at is point and item.subjects(scene)]
         if not present:
             continue
-        evaluate_figures = _object_figures if point in OF_OBJECTS else _tray_figures
-        figures = evaluate_figures(scene, point, columns, numbers_of(scene, payload))
+        if point in OF_OBJECTS:
+            figures = _object_figures(scene, point, columns)
+        else:
+            figures = _tray_figures(scene, point, columns, numbers_of(scene, payload))
         for constraint in present:
             for subject, figure in zip(constraint.subjects(scene), figures[constraint.name], strict=True):
                 traces[constraint.name].append(
@@ -164,15 +165,15 @@ def _tray_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarray
     return _by_constraint(names, rows)
 
 
-def _object_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarray], numbers: SceneNumbers) -> Figures:
+def _object_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarray]) -> Figures:
     """Object by object; before the slosh coordinates of all, their displacements and velocities, may be the motion."""
-    structure, of_objects = structure_of(scene), {}
+    structure, numbers, of_objects = structure_of(scene), flat_object_numbers(scene), {}
     *body, q, qd = columns
     end = structure.end if point is EvaluationPoint.END else "residual"
     for index, (item, modes) in enumerate(zip(structure.objects, structure.slosh_slices, strict=True)):
         function, names = object_figures_function(limited_object_kind(structure, item, end=end), point)
         if names:
-            rows = evaluate(function, [*body, q[modes], qd[modes]], flatten(numbers_of_object(numbers, index)))
+            rows = evaluate(function, [*body, q[modes], qd[modes]], numbers[index])
             for name, figures in _by_constraint(names, rows).items():
                 of_objects.setdefault(name, []).extend(figures)
     return of_objects

@@ -12,6 +12,7 @@ import numpy as np
 
 from nospill.core.arrays import parallel_axis, read_only
 from nospill.core.trees import flatten
+from nospill.laws.kinds import numbers_of_object
 from nospill.laws.parameters import (
     YAW_AXES,
     BrakingNumbers,
@@ -135,6 +136,16 @@ def flat_numbers(scene: Scene, payload: Sequence[Cargo] | None = None) -> np.nda
 @lru_cache(maxsize=8)
 def _flat(scene: Scene) -> np.ndarray:
     return read_only(flatten(_numbers(scene)))
+
+
+@lru_cache(maxsize=8)
+def flat_object_numbers(scene: Scene) -> tuple[np.ndarray, ...]:
+    """Of every object what its laws read, `kinds.numbers_of_object`, as one vector; read-only.
+
+    A judge reads them at every evaluation point, and of twenty modes they are hundreds.
+    """
+    numbers = _numbers(scene)
+    return tuple(read_only(flatten(numbers_of_object(numbers, index))) for index in range(len(scene.cargo)))
 
 
 @lru_cache(maxsize=8)

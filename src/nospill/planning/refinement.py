@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -117,7 +118,7 @@ def certify_by_refinement(candidate: Candidate, log: Log) -> Judged:
     if saving_of(last.problem, last.solution, relaxed.backoff) > _WORTH_A_SOLVE * end:
         with suppress(NoSolutionError):
             again = _tighten(last, relaxed, log)
-            refined = again and _refine_until_certified(again, log)
+            refined = again and _refine_until_certified(again, log, below=end)
             if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
                 return refined
     return judged
@@ -131,17 +132,23 @@ def _lightened(judged: Judged, log: Log) -> Judged:
         return judged
     with suppress(NoSolutionError):
         again = _tighten(judged.candidate, lighter, log)
-        refined = again and _refine_until_certified(again, log)
-        if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < judged.trajectory.end_time:
+        end = judged.trajectory.end_time
+        refined = again and _refine_until_certified(again, log, below=end)
+        if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
             return refined
     return judged
 
 
-def _refine_until_certified(candidate: Candidate, log: Log) -> Judged:
-    """`certify_by_refinement` without that last solve; raises the same."""
+def _refine_until_certified(candidate: Candidate, log: Log, *, below: float = math.inf) -> Judged:
+    """`certify_by_refinement` without that last solve; raises the same.
+
+    Given up, uncertified, once it takes as long as `below`, s: what joins a problem or is kept from it shortens none.
+    """
     judged = _judge(candidate, log)
     tightened = grown = 0
     while not judged.judgement.leaves_margin and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
+        if judged.trajectory.end_time >= below:
+            break
         before, certified = judged.candidate, judged.judgement.certificate.ok
         active = before.active.after(judged.judgement, before.solution.slack)
         if active is before.active or (certified and active.scene is not before.active.scene):

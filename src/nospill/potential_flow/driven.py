@@ -47,9 +47,13 @@ class Driven:
 
 def driven(cargo: Cargo) -> Driven:
     """Set up the second order of a liquid; `unsupported` says whether it may be asked for."""
-    filling = cargo.filling
-    assert filling is not None  # what is asked for is a liquid
-    terms = _terms_like(_Key(cargo))
+    assert cargo.filling is not None  # what is asked for is a liquid
+    return _driven_like(_Key(cargo))
+
+
+@lru_cache(maxsize=64)
+def _driven_like(key: _Key) -> Driven:
+    terms, cargo = linear_terms(driven_basin(key.cargo)), key.cargo
     count = len(terms.stiffness)
     axes, diameters = np.eye(count, dtype=complex), np.zeros(count)
     if isinstance(cargo.container, Cylinder):
@@ -63,7 +67,7 @@ def driven(cargo: Cargo) -> Driven:
                 column[partner] += 1j if turned[mode] else 0.0
                 columns.append((column, turned[mode]))
         axes, diameters = np.stack([item[0] for item in columns], axis=1), np.array([item[1] for item in columns])
-    return Driven(terms, height_gains(filling.oscillators, terms.basin), axes, diameters)
+    return Driven(terms, height_gains(cargo.oscillators, terms.basin), axes, diameters)
 
 
 class _Key:
@@ -80,6 +84,7 @@ class _Key:
             slowest.wave_number,
             slowest.damping,
             filling.liquid.kinematic_viscosity,
+            filling.oscillators,
         )
 
     def __hash__(self) -> int:
@@ -87,11 +92,6 @@ class _Key:
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Key) and self.values == other.values
-
-
-@lru_cache(maxsize=64)
-def _terms_like(key: _Key) -> LinearTerms:
-    return linear_terms(driven_basin(key.cargo))
 
 
 def height_gains(oscillators: Sequence[Oscillator], basin: Basin) -> np.ndarray:
