@@ -7,13 +7,16 @@ from typing import Any
 from benchmarks.water.random_plans import table
 
 
-def _cup(certified: float, full: float, *, doubt: str | None = None) -> dict[str, Any]:
-    heights = {"certified_mm": certified, "second_mm": 1.1 * certified, "full_mm": full}
-    return {**heights, "certified_over_radius": certified / 30.0, "doubt": doubt}
+def _cup(over_radius: float, crest: float, left: float, *, doubt: str | None = None) -> dict[str, Any]:
+    limits = {"limit_mm": 10.0, "residual_limit_mm": 2.0, "limit_over_radius": over_radius, "order": "second order"}
+    return {**limits, "full_mm": 10.0 * crest, "residual_full_mm": 2.0 * left, "doubt": doubt}
 
 
 def test_flows_in_doubt_are_counted_and_left_out() -> None:
-    cups = [_cup(5.0, 5.5), _cup(5.0, 6.0), _cup(5.0, 50.0, doubt="it breaks")]
-    lines = list(table([{"liquids": cups}]))
-    assert "| 0.1 to 0.2 | 3, 2 | +10 to +10 %, median +10 % | +10 to +20 %, median +15 % |" in lines
+    cups = [_cup(0.25, 1.0, 1.2), _cup(0.25, 1.04, 1.1), _cup(0.25, 5.0, 5.0, doubt="it breaks"), _cup(0.6, 0.9, 3.0)]
+    lines = list(table([{"liquids": [*cups, {**cups[0], "order": "linear"}]}, {"ok": False}]))
+    assert lines[4] == (
+        "| 0.2 to 0.3 | 3, 2 | +0 to +4 %, median +2 %; 50% keep 1.03 | +10 to +20 %, median +15 %; 50% keep 1.10 |"
+    )
     assert lines[2] == "| 0 to 0.1 | 0, 0 | - | - |"
+    assert lines[6] == "| 0.45 to 1.5 | 1, 1 | -10 to -10 %, median -10 % | +200 to +200 %, median +200 % |"

@@ -192,15 +192,19 @@ def full_model_note(certificate: Certificate) -> str:
 def linear_heights_line(rows: Iterable[Row]) -> str:
     """The linear heights of the liquids whose rows are of second order, in one line; nothing where there are none.
 
-    "slosh heights are of second order; linear: c1 9.6 mm (after the end 0.8), c2 10.8 mm (after the end 0.7)".
+    "slosh heights are of second order; linear: c1 9.6 mm (after the end 0.8), c2 10.8 mm (after the end 0.7)", or
+    "slosh heights are of second order, residual heights linear; linear: c1 9.6 mm".
     """
     linear: dict[str, list[str]] = {}
+    rows = tuple(rows)
+    left = {row.label for row in rows if row.constraint == ResidualHeight.name and row.linear_value is None}
     for row in (row for row in rows if row.linear_value is not None):
         height = f"{1e3 * (row.linear_value or 0.0):.3g}"
         linear.setdefault(row.label, []).append(f"(after the end {height})" if row.at_end else f"{height} mm")
     found = ", ".join(f"{label} {' '.join(heights)}" for label, heights in [*linear.items()][:_NAMED])
     more = f" and {len(linear) - _NAMED} more" if len(linear) > _NAMED else ""
-    return f"slosh heights are of second order; linear: {found}{more}" if linear else ""
+    after = ", residual heights linear" if left.intersection(linear) else ""
+    return f"slosh heights are of second order{after}; linear: {found}{more}" if linear else ""
 
 
 def remedy(row: Row, rate: float) -> str:

@@ -19,6 +19,7 @@ from nospill.certification.full_model import judged_in_full, with_full_model, wi
 from nospill.certification.height_order import height_orders
 from nospill.certification.histories import ContactLoad, History, ModalStates, contact_load, history_of, modal_states
 from nospill.certification.known_arm import beside
+from nospill.certification.left_after_end import LeftAfterEnd, left_after_end, left_line, left_read, left_written
 from nospill.certification.limiting import limiting_text, savings_text
 from nospill.certification.other_speeds import SpeedUse, uses_at
 from nospill.certification.replay import tray_from_joints
@@ -120,6 +121,17 @@ class Plan:
         """
         found = self.maxima.survival
         return "" if found is None else "; ".join(filter(None, (found.text, beside(found, self.scene))))
+
+    @cached_property
+    def left_after_end(self) -> dict[str, LeftAfterEnd]:
+        """What is left of each liquid's waves after the end in three columns, found once; by object."""
+        known = self.maxima.left
+        return left_after_end(self.trajectory, self.scene) if known is None else known
+
+    @property
+    def left_text(self) -> str:
+        """The same in a line, of a plan that was printed or saved; else empty."""
+        return left_line(self.maxima.left or {})
 
     @property
     def comparison(self) -> tuple[str, ...]:
@@ -233,7 +245,7 @@ class Plan:
 
     def with_second_looks(self) -> Plan:
         """The plan with what the full model sees, what it uses at lower speeds, and what it survives of its arm."""
-        maxima = replace(self.maxima, survival=self.survival)
+        maxima = replace(self.maxima, survival=self.survival, left=self.left_after_end)
         if maxima.other_speeds is not None:
             known = with_full_model(self.certificate, self.trajectory, self.scene)
             return replace(self, certificate=known, maxima=maxima)
@@ -433,6 +445,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "safe_at_lower_speeds": _Computed(_safe_at_lower_speeds),
     "survives": _Computed(lambda plan: plan.survival_text),
     "survival": _Kept("maxima", "survival", _survival_written, _survival_read),
+    "left_after_end": _Kept("maxima", "left", left_written, left_read),
     "settling_s": _Computed(_settling),
     "would_save": _Computed(lambda plan: plan.savings_text),
     "savings_s": _Kept("report", "savings", from_json=_fractions),

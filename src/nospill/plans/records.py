@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from nospill.certification.certificate import Judgement
+from nospill.certification.left_after_end import LeftAfterEnd
 from nospill.certification.limiting import limiting_rows
 from nospill.certification.other_speeds import SpeedUse
 from nospill.certification.survived import Survival
@@ -31,6 +32,7 @@ class MotionMaxima:
         time_at_limit: part of the motion's time for which it is at a limit that it comes near, by label of the row.
         other_speeds: uses of the limits on objects at lower speeds; None where nobody has looked.
         survival: what the motion survives of an arm that does not quite track it; None where nobody has looked.
+        left: what is left of each liquid's waves after the end; None where nobody has looked.
     """
 
     tray_acceleration: float
@@ -42,6 +44,7 @@ class MotionMaxima:
     time_at_limit: dict[str, float] = field(default_factory=dict)
     other_speeds: tuple[SpeedUse, ...] | None = None
     survival: Survival | None = None
+    left: dict[str, LeftAfterEnd] | None = None
 
 
 GIVEN = "given"

@@ -21,6 +21,7 @@ def plan_lines(plan: Plan) -> list[str]:
         *([f"direct way blocked: {plan.report.blocked_way}"] if plan.report.blocked_way else []),
         *([f"held back: {plan.limiting_text}"] if plan.limiting_text else []),
         *([plan.savings_text] if plan.savings_text else []),
+        *([plan.left_text] if plan.left_text else []),
         *([plan.survival_text] if plan.survival_text else []),
         *plan.comparison,
         *_choices(plan),

@@ -114,7 +114,7 @@ def make_report(
         evidence=evidence,
         ok=certificate.ok,
         verdict=certificate.word,
-        detail=detail + height_sentence(scene) + _beyond(certificate) + _survives(plan),
+        detail=detail + height_sentence(scene) + _beyond(certificate) + _left(plan) + _survives(plan),
         tiles=tuple(dict.fromkeys((*tiles(evidence), *liquid_tiles(evidence)))),
         opinion=opinion,
         checksum=digest,
@@ -135,6 +135,12 @@ def _beyond(certificate: Certificate) -> str:
         return ""
     by = "Judged by the published equations; " if certificate.published else ""
     return f" {by}{note if by else note[:1].upper() + note[1:]}."
+
+
+def _left(plan: Plan) -> str:
+    """What is left of the liquids' waves after the end, as a sentence; empty where nobody has looked."""
+    text = plan.left_text
+    return f" {text[:1].upper()}{text[1:]}." if text else ""
 
 
 def _survives(plan: Plan) -> str:

@@ -1,0 +1,124 @@
+"""What a motion leaves of each liquid's waves, in three figures: linear heights promise more than water keeps.
+
+Linear, of second order, and the higher of both with all frequencies of the liquids off by `OFF`, up and down: what a
+fill, a temperature or a contact line other than stated does to waves that the motion stills by their phase.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from nospill.certification.certificate import judge_motion
+from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.motion.trajectory import Trajectory
+from nospill.scene.cargo import Cargo, Tolerance
+from nospill.scene.scene import Scene
+
+OFF = 0.01
+"""Relative, of all frequencies of a liquid."""
+_NAMED = 4
+"""Liquids that the line names, those with the most beyond their limits."""
+
+
+@dataclass(frozen=True, slots=True)
+class LeftAfterEnd:
+    """Greatest heights of one liquid after the end, m.
+
+    Attributes:
+        limit: of the row.
+        linear: of the modes alone.
+        second_order: None where it is not known.
+        off: of the highest order that is known, with frequencies `OFF` higher or lower; None where the liquid begins
+            with a swing, which is stated for its own frequencies.
+    """
+
+    limit: float
+    linear: float
+    second_order: float | None
+    off: float | None
+
+    @property
+    def most(self) -> float:
+        """The greatest of the three, m."""
+        return max(self.linear, self.second_order or 0.0, self.off or 0.0)
+
+
+def left_after_end(trajectory: Trajectory, scene: Scene) -> dict[str, LeftAfterEnd]:
+    """Of every open liquid with a row on its residual height, by object; of the published physics none.
+
+    Args:
+        trajectory: the record.
+        scene: what it must keep to; its own tolerances and range of speeds are left out.
+
+    Raises:
+        ModelError: the liquids cannot be integrated.
+    """
+    if scene.fidelity != "full" or scene.motion.end != "residual":
+        return {}
+    asked = replace(
+        scene,
+        cargo=tuple(_off(item) for item in scene.cargo),
+        obstacles=(),
+        motion=replace(
+            scene.motion, slosh_height="second order", residual_height="second order", speed_range=None, stop=False
+        ),
+        tracking=None,
+    )
+    judged = judge_motion(trajectory, asked)
+    lids = {item.name for item in scene.cargo if item.filling is not None and item.filling.lid}
+    found = {}
+    for trace in judged.traces:
+        if trace.constraint != ResidualHeight.name or trace.subject in lids:
+            continue
+        height = float(np.max(trace.value))
+        others = [row.worst_value for row in judged.corners if row.id == trace.id and row.variant]
+        found[trace.subject] = LeftAfterEnd(
+            limit=float(np.max(np.abs(trace.limit))),
+            linear=height if trace.linear is None else float(np.max(trace.linear)),
+            second_order=None if trace.linear is None else height,
+            off=max(others, default=None),
+        )
+    return found
+
+
+def _off(cargo: Cargo) -> Cargo:
+    """An object whose liquid's frequencies may be off, and nothing else."""
+    filling = cargo.filling
+    certain = filling is None or filling.lid or filling.initial_swing is not None
+    return replace(cargo, tolerance=None if certain else Tolerance(frequency=OFF))
+
+
+def left_line(left: Mapping[str, LeftAfterEnd]) -> str:
+    """The figures of the liquids with the most beyond their limits, in one line; empty where there are none.
+
+    "left after the end (linear, of second order, frequencies 1 % off): c1 2.2, 5.8, 6.1 of 3 mm; c2 ...".
+    """
+    worst = sorted(left, key=lambda name: -left[name].most / max(left[name].limit, 1e-12))
+    named = [name for name in left if name in worst[:_NAMED]]
+    more = f"; and {len(left) - len(named)} more" if len(left) > len(named) else ""
+    head = f"left after the end (linear, of second order, frequencies {100 * OFF:g} % off)"
+    return f"{head}: " + "; ".join(_figures(name, left[name]) for name in named) + more if left else ""
+
+
+def _figures(name: str, own: LeftAfterEnd) -> str:
+    heights = (own.linear, own.second_order, own.off)
+    shown = ", ".join("not known" if value is None else f"{1e3 * value:.2g}" for value in heights)
+    return f"{name} {shown} of {1e3 * own.limit:.3g} mm"
+
+
+def left_written(left: Mapping[str, LeftAfterEnd] | None) -> dict[str, dict[str, Any]] | None:
+    """For summary.json."""
+    return None if left is None else {name: asdict(own) for name, own in left.items()}
+
+
+def left_read(found: Mapping[str, Mapping[str, Any]] | None) -> dict[str, LeftAfterEnd] | None:
+    """What `left_written` wrote.
+
+    Raises:
+        TypeError: a key is missing.
+    """
+    return None if found is None else {name: LeftAfterEnd(**own) for name, own in found.items()}
