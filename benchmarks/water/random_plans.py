@@ -5,8 +5,9 @@
 
 Seeds are those of the campaign's first cases that it planned with an upright cup or box of liquid, here with all modes
 in place of one. A line for each, also where there is no certified plan, is written at once and whole; seeds that are in
-the file are not planned again. The table has crests and what is left after the end over their limits, of the flows that
-are trusted, by the height of the limit over the radius or half side.
+the file are not planned again, and those without a plan there not to the other order of residual heights either. The
+table has crests and what is left after the end over their limits, of the flows that are trusted, by the height of the
+limit over the radius or half side.
 """
 
 from __future__ import annotations
@@ -113,10 +114,11 @@ def main() -> None:
     with lines_file(given.output) as file:
         known = {line["seed"]: line for line in file.known if line["residual"] == given.residual}
         certified = sum(line["ok"] for line in known.values())
+        without = {line["seed"] for line in file.known if not line["ok"]}
         for case in read_lines(CASES):
             if certified >= given.cases:
                 return
-            if case["kind"] != "planned" or case["seed"] in known:
+            if case["kind"] != "planned" or case["seed"] in known.keys() | without:
                 continue
             scene = scene_of(case["seed"], given.residual, given.seconds)
             if scene is None:
