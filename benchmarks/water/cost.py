@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -56,27 +57,27 @@ def seconds(work: Callable[[], object]) -> float:
     return time.process_time() - begun
 
 
+def compared(scene: Scene, orders: tuple[str, ...]) -> tuple[dict[str, float], dict[str, float]]:
+    """Processor time, s, of planning and of judging one motion by order, planned in this order."""
+    asked = {order: scene.changed({"motion.slosh_height": order}) for order in ORDERS}
+    trajectory = plan(asked["linear"]).trajectory  # what is compiled is compiled now
+    planning = {order: seconds(partial(plan, asked[order])) for order in orders}
+    judging = dict.fromkeys(ORDERS, np.inf)
+    for order in (*ORDERS, *ORDERS, *ORDERS):
+        judging[order] = min(judging[order], seconds(partial(judge_motion, trajectory, asked[order])))
+    return planning, judging
+
+
 def main() -> None:
     """Print the lines and the medians of both ratios."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--seeds", type=int, default=20)
     ratios = []
     for number, (name, scene) in enumerate(scenes(parser.parse_args().seeds)):
-        asked = {order: scene.changed({"motion.slosh_height": order}) for order in ORDERS}
-        trajectory = plan(asked["linear"]).trajectory  # what is compiled is compiled now
-        planning, judging = {}, {order: [] for order in ORDERS}
-        for order in ORDERS if number % 2 else ORDERS[::-1]:
-            planning[order] = seconds(lambda order=order: plan(asked[order]))
-        for _ in range(3):
-            for order in ORDERS:
-                judging[order].append(seconds(lambda order=order: judge_motion(trajectory, asked[order])))
-        ratios.append(
-            [planning["second order"] / planning["linear"], min(judging[ORDERS[1]]) / min(judging[ORDERS[0]])]
-        )
-        figures = (
-            f"{planning['linear']:.1f}, {planning['second order']:.1f} s | {ratios[-1][0]:.2f} | {ratios[-1][1]:.2f}"
-        )
-        print(f"| {name} | {figures} |", flush=True)
+        planning, judging = compared(scene, ORDERS if number % 2 else ORDERS[::-1])
+        ratios.append([times["second order"] / times["linear"] for times in (planning, judging)])
+        figures = " | ".join(f"{ratio:.2f}" for ratio in ratios[-1])
+        print(f"| {name} | {planning['linear']:.1f}, {planning['second order']:.1f} s | {figures} |", flush=True)
     for what, values in zip(("planning", "judging"), np.array(ratios).T, strict=True):
         print(f"{what}: median {np.median(values):.2f} times, from {values.min():.2f} to {values.max():.2f}")
 

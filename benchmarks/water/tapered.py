@@ -129,8 +129,9 @@ def rates(own: Cup, state: np.ndarray) -> np.ndarray:
     system = np.concatenate([value, wall_out - own.slope * wall_up, own.floor])
     size = np.linalg.norm(system, axis=0)
     wanted = np.concatenate([psi, np.zeros(len(system) - len(psi))])
-    share, *_ = lstsq(system / size, wanted, cond=1e-10, lapack_driver="gelsy", check_finite=False)
-    share = share / size
+    solved = lstsq(system / size, wanted, cond=1e-10, lapack_driver="gelsy", check_finite=False)
+    assert solved is not None  # scipy's own types allow for None
+    share = solved[0] / size
     u, v, w = outward @ share / RADIUS, across @ share / RADIUS, up @ share / RADIUS
     moved = w * (1 + rise * own.sigma * own.slope / radius) - u * rise / radius - v * turn / (own.sigma * radius)
     change = (w + u * own.sigma * own.slope) * moved - GRAVITY * z - (u**2 + v**2 + w**2) / 2
