@@ -62,7 +62,7 @@ def compared(scene: Scene, orders: tuple[str, ...]) -> tuple[dict[str, float], d
     asked = {order: scene.changed({"motion.slosh_height": order}) for order in ORDERS}
     trajectory = plan(asked["linear"]).trajectory  # what is compiled is compiled now
     planning = {order: seconds(partial(plan, asked[order])) for order in orders}
-    judging = dict.fromkeys(ORDERS, np.inf)
+    judging: dict[str, float] = dict.fromkeys(ORDERS, np.inf)
     for order in (*ORDERS, *ORDERS, *ORDERS):
         judging[order] = min(judging[order], seconds(partial(judge_motion, trajectory, asked[order])))
     return planning, judging
