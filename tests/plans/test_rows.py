@@ -67,6 +67,7 @@ ANOTHER: list[tuple[dict[str, object], str]] = [
     ({"cargo.c1.damping": 0.03}, "cargo.c1.damping is 0.03 here and"),
     ({"tray.size": [0.33, 0.25]}, "tray.size is (330, 250) mm here and ("),
     ({"tray.offset": 0.05}, "tray.offset is (0, 0, 50) mm here and ("),
+    ({"tray.rotation": [0.2, 0.0, 0.0]}, "tray.rotation is 11.4592 deg, 0 deg, 0 deg here and 0 deg, 0 deg, 0 deg in"),
     ({"tray.yaw_on_flange": 0.1}, "tray.yaw_on_flange is 5.72958 deg here and 0 deg in"),
     ({"robot.base_position": [0.0, 0.0, 0.01]}, "robot.base_position is (0, 0, 10) mm here and (0, 0, 0) mm in"),
     ({"robot.base_yaw": 0.01}, "robot is base_yaw = 0.01"),

@@ -16,6 +16,7 @@ from nospill.robots.capsules import PlacedCapsule, placed_capsules
 from nospill.robots.description.urdf_tree import about_axis
 from nospill.robots.kinematics.bodies import z_to
 from nospill.robots.kinematics.frames import arm_chain
+from nospill.robots.tool import Tool
 from nospill.scene.cargo import Cargo
 from nospill.scene.obstacles import Obstacle
 from nospill.scene.scene import Scene
@@ -23,7 +24,7 @@ from nospill.scene.tray import TRAY_THICKNESS
 
 TRAY, HOLDER, LOAD = "tray", "holder", "tray and cargo"
 HOLDER_RADIUS = 0.025
-"""m; the tray stands on a round bar from the flange to the middle of its underside."""
+"""m; the tray stands on a round bar from the flange to the middle of its underside, or on two of a bracket."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +110,10 @@ def _load_bodies(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
     """Holder, tray and cargo in the frame of the last joint."""
     chain = arm_chain(scene.robot)
     tray, *objects = _on_path(scene, cargo)
+    if not scene.tray.tool.upright:
+        corners = chain.flange_position + bracket_corners(scene.tray.tool) @ chain.flange_rotation.T
+        legs = (PlacedCapsule(HOLDER, len(chain.bodies), ends, HOLDER_RADIUS) for ends in (corners[:2], corners[1:]))
+        return [tray, *map(_capsule, legs), *objects]
     flange, under = chain.flange_position, tray.position - TRAY_THICKNESS / 2 * tray.rotation[:, 2]
     gap = under - flange
     if float(np.linalg.norm(gap)) <= 2 * HOLDER_RADIUS:
@@ -118,6 +123,17 @@ def _load_bodies(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:
     middle = flange + gap / 2
     ends = np.array([middle - inner / 2, middle + inner / 2])
     return [tray, _capsule(PlacedCapsule(HOLDER, len(chain.bodies), ends, HOLDER_RADIUS)), *objects]
+
+
+def bracket_corners(tool: Tool) -> np.ndarray:
+    """Ends and corner (3, 3) of the L on which a turned tray stands: middle lines of its round bars, flange axes, m.
+
+    The first bar lies on the flange, along the tray's normal; the second one below the board, to its middle.
+    """
+    normal = tool.rotation[:, 2]
+    start = np.array([0.0, 0.0, HOLDER_RADIUS])
+    end = np.asarray(tool.position, dtype=float) - (TRAY_THICKNESS + HOLDER_RADIUS) * normal
+    return np.array([start, start + normal * (normal @ (end - start)), end])
 
 
 def _on_path(scene: Scene, cargo: Sequence[Cargo]) -> list[Body]:

@@ -76,6 +76,12 @@ def _robot_table(scene: Scene) -> dict[str, Any]:
     return table
 
 
+def _tray_table(scene: Scene) -> dict[str, Any]:
+    table = scene.source["tray"]
+    assert isinstance(table, dict)  # the reader saw to it
+    return table
+
+
 def _base_position(scene: Scene) -> np.ndarray:
     entries = _robot_table(scene).get("base_position", (0.0, 0.0, 0.0))
     return np.array([quantity(entry, "length") for entry in entries])
@@ -179,7 +185,7 @@ def _tray_directions(scene: Scene) -> list[Option]:
     """The tray mounted in another direction."""
     task = _task(scene)
     return _both_ways(
-        scene.tray.tool.yaw,
+        quantity(_tray_table(scene).get("yaw_on_flange", 0.0), "angle"),
         "turn of the tray",
         "tray.yaw_on_flange",
         lambda angle: replace(task, tool=replace(task.tool, yaw=task.tool.yaw + angle)),

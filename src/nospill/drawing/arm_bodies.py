@@ -5,8 +5,11 @@ The same bodies stand in the viewer, in films and in the report.
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
+from nospill.collisions.bodies import bracket_corners
 from nospill.core.shapes import capsule_shape
 from nospill.drawing.geometry import Mesh, merge_meshes, transform_mesh, tube
 from nospill.drawing.obstacles import shape_surface
@@ -43,15 +46,27 @@ def arm_bodies(robot: Robot, chain: DrawnChain, tray: Tray | None = None) -> dic
     if tray is None:
         return parts
     for link, (position, rotation) in _behind_last_joint(chain).items():
-        if link in parts:
+        # on a bracket the flange may be above the board, beside it
+        if link in parts and tray.tool.upright:
             parts[link] = _below_board(parts[link], position, rotation, tray)
     return _with(parts, chain.joints[-1].child, holder(tray))
 
 
 def holder(tray: Tray) -> Mesh:
     """From the flange to the underside of the board, flange frame."""
-    end = np.asarray(tray.tool.position, dtype=float) - np.array([0.0, 0.0, TRAY_THICKNESS])
-    plate = tube(end - np.array([0.0, 0.0, _PLATE_THICKNESS]), end, (_PLATE, _PLATE))
+    out = tray.tool.rotation[:, 2]
+    end = np.asarray(tray.tool.position, dtype=float) - TRAY_THICKNESS * out
+    plate = tube(end - _PLATE_THICKNESS * out, end, (_PLATE, _PLATE))
+    if not tray.tool.upright:
+        corners = bracket_corners(tray.tool)
+        bars = [
+            transform_mesh(
+                shape_surface(capsule_shape(_BAR, length + 2.0 * _BAR)), (start + stop) / 2.0, z_to(stop - start)
+            )
+            for start, stop in pairwise(corners)
+            if (length := float(np.linalg.norm(stop - start))) > 1e-3
+        ]
+        return merge_meshes([*bars, plate])
     if np.linalg.norm(end) < 1e-3:
         return plate
     return merge_meshes([tube(np.zeros(3), end, (_BAR, _BAR)), plate])

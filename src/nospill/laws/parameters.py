@@ -19,6 +19,7 @@ import numpy as np
 from nospill.core.frames import SX
 from nospill.core.trees import flatten, symbolic
 from nospill.paths.joint_curves import POSE
+from nospill.robots.tool import TOOL_NUMBERS
 from nospill.scene.containers.footprints import Footprint
 from nospill.scene.limits import Limit
 from nospill.scene.scene import EndCondition, Fidelity
@@ -200,8 +201,8 @@ class SceneNumbers:
 
     Limits that are not set are zero and not read (`Structure.joint_limits`, `Structure.motion_limits`). The load is
     what the flange carries, tray and cargo with their liquids at rest: kg, first moment (3,) kg m and inertia (3, 3)
-    kg m^2 about the flange's origin, flange axes. tool (4,): `Tool.row` of the tray. base (4,): x, y, z in m and yaw in
-    rad of the arm's base in the world of path and gravity.
+    kg m^2 about the flange's origin, flange axes. tool (12,): `Tool.row` of the tray. base (4,): x, y, z in m and yaw
+    in rad of the arm's base in the world of path and gravity.
     """
 
     gravity: Annotated[Number, Of("gravity")]
@@ -210,7 +211,7 @@ class SceneNumbers:
         Number,
         Of("path.prescribed.coefficients", lambda whole: (whole.degree + 1, whole.spans, whole.path_columns)),
     ]
-    tool: Annotated[Number, Of("tray.tool.row", (4,))]
+    tool: Annotated[Number, Of("tray.tool.row", (TOOL_NUMBERS,))]
     base: Annotated[Number, Of(shape=(4,))]
     joint_lower: Annotated[Number, Of("robot.lower", joints)]
     joint_upper: Annotated[Number, Of("robot.upper", joints)]

@@ -31,6 +31,8 @@ _UPRIGHT = 1e-9
 def base_axis(scene: Scene) -> np.ndarray | None:
     """Where the vertical axis (2,), m, of joint 1 is that the tray's centre may pass; None where it is not so."""
     foot, rotation = base_pose(scene.robot.urdf)
+    if not scene.tray.tool.upright:  # its last joint has no vertical axis
+        return None
     offset = np.hypot(*scene.tray.tool.position[:2])
     return foot[:2] if len(scene.robot.joints) == 6 and max(1.0 - rotation[2, 2], offset) < _UPRIGHT else None
 

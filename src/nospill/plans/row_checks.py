@@ -130,8 +130,11 @@ def _require_same_tray(scene: Scene, before: Scene) -> None:
     ):
         if np.abs(np.asarray(own) - np.asarray(other)).max() > _SAME:
             raise _another(key, _mm(own), _mm(other), before.name, cure)
-    if abs(ours.tool.yaw - theirs.tool.yaw) > _SAME:
-        raise _another("tray.yaw_on_flange", _deg(ours.tool.yaw), _deg(theirs.tool.yaw), before.name, cure)
+    if angles_between(ours.tool.rotation[None], theirs.tool.rotation[None])[0] > _SAME:
+        if ours.tool.upright and theirs.tool.upright:
+            raise _another("tray.yaw_on_flange", _deg(ours.tool.yaw), _deg(theirs.tool.yaw), before.name, cure)
+        here, there = (", ".join(map(_deg, (tool.roll, tool.pitch, tool.yaw))) for tool in (ours.tool, theirs.tool))
+        raise _another("tray.rotation", here, there, before.name, cure)
 
 
 def _require_same_object(cargo: Cargo, before: Cargo, name: str) -> None:

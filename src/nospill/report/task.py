@@ -142,6 +142,9 @@ def _tray(scene: Scene) -> str:
     offset = ", ".join(f"{1e3 * value:.4g}" for value in tray.tool.position)
     board = f", board of {tray.mass:.3g} kg" if tray.mass else ""
     turned = f", turned by {np.degrees(tray.tool.yaw):.3g} deg" if tray.tool.yaw else ""
+    if not tray.tool.upright:
+        angles = ", ".join(f"{np.degrees(angle):.4g}" for angle in (tray.tool.roll, tray.tool.pitch, tray.tool.yaw))
+        turned = f", turned by ({angles}) deg about its x, y and z"
     return f"{sides} mm, surface at ({offset}) mm of the flange{turned}{board}"
 
 

@@ -8,11 +8,13 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from nospill.core.arrays import read_only
+from nospill.robots.tool import Tool
 from nospill.scenario.approach_entry import ApproachTable
 from nospill.scenario.arrays import MOST_OBJECTS
 from nospill.scenario.cargo_entries import CargoEntry, CargoTable
 from nospill.scenario.controller_entry import ControllerTable
-from nospill.scenario.fields import SIDE, Angle, Friction, Measured, Name, Reserve, Vector
+from nospill.scenario.fields import ANGLE, SIDE, Angle, Friction, Measured, Name, Reserve, Vector
 from nospill.scenario.initial_state_entry import InitialStateTable
 from nospill.scenario.leg_entry import MOST_LEGS, LegTable
 from nospill.scenario.obstacle_entries import MOST_OBSTACLES, ObstacleEntry, ObstacleTable
@@ -22,6 +24,7 @@ from nospill.scenario.tables import Given, OptionalQuantities, OptionalQuantity,
 from nospill.scenario.tracking_entry import ToleranceTable
 from nospill.scene.heights import HeightOrder
 from nospill.scene.scene import FULL_MODES, EndCondition, Fidelity
+from nospill.scene.tray import Tray
 
 SHORTEST_DURATION = 0.1
 """s; least value of max_duration, twice the shortest motion that is considered."""
@@ -54,12 +57,28 @@ class TrayTable(Table):
         ),
         Field(description="centre of the surface in the flange frame, or just its height along the flange's axis"),
     ] = default((0.0, 0.0, 0.0))
-    yaw_on_flange: Annotated[Angle, Field(description="turn of the tray about the flange's axis")] = default(0.0)
+    rotation: Annotated[
+        Quantities,
+        Vector(entry=ANGLE, axes=("roll", "pitch", "yaw")),
+        Field(
+            description="turn of the tray on the flange about the flange's x (roll), then y (pitch), then z (yaw), for "
+            "a tray on a bracket"
+        ),
+    ] = default((0.0, 0.0, 0.0))
+    yaw_on_flange: Annotated[
+        Angle, Field(description="turn of the tray about the flange's axis, after that of `rotation`")
+    ] = default(0.0)
     mass: Annotated[
         Quantity,
         Measured(dimension="mass", at_least=0.0, at_most=1000.0),
         Field(description="mass of the board without its load"),
     ] = default(0.0)
+
+    def build(self) -> Tray:
+        """The tray on its flange."""
+        roll, pitch, yaw = self.rotation
+        tool = Tool(read_only(self.offset), yaw + self.yaw_on_flange, roll, pitch)
+        return Tray(size=read_only(self.size), tool=tool, mass=self.mass)
 
 
 HOLD = Measured(dimension="time", at_least=0.0, at_most=60.0)

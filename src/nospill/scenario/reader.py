@@ -13,13 +13,11 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import ValidationError
 
-from nospill.core.arrays import read_only
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ModelError, Reason, ScenarioError
 from nospill.paths.path import Path
 from nospill.robots.interfaces import SAME_RATE, Interface, limited_by
 from nospill.robots.robot import Robot
-from nospill.robots.tool import Tool
 from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_table
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
@@ -94,11 +92,10 @@ def read_scene(
     with _at(label, "[tolerance]"):
         stated = scenario.tolerance and scenario.tolerance.tracking
         tracking = None if stated is None else stated.build(robot)
-    tool = Tool(read_only(scenario.tray.offset), scenario.tray.yaw_on_flange)
-    tray = Tray(size=read_only(scenario.tray.size), tool=tool, mass=scenario.tray.mass)
+    tray = scenario.tray.build()
     with _at(label, "[path]"):
         read_in, base_is_free = scenario.path.standalone(folder, robot), scenario.robot.base_yaw == FREE
-        path_table = scenario.path.model_copy(update=read_in).placed(robot, tool, base_is_free=base_is_free)
+        path_table = scenario.path.model_copy(update=read_in).placed(robot, tray.tool, base_is_free=base_is_free)
         scenario = scenario.model_copy(update={"path": path_table})
         path = path_table.build()
         passed = path_table.places_passed(path)
@@ -136,7 +133,7 @@ def read_scene(
     with _at(label, "[initial_state]"):
         require_may_begin_in_motion(scenario)
         state = scenario.initial_state
-        initial_state = None if state is None else state.build(robot, tool, path)
+        initial_state = None if state is None else state.build(robot, tray.tool, path)
     if scenario.fidelity == "full" and turns(path, motion):
         cargo = tuple(turning(item) for item in cargo)
     return Scene(

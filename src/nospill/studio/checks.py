@@ -10,12 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from pydantic import ValidationError
 
 from nospill.core.units import as_written
 from nospill.errors import ModelError, ScenarioError
-from nospill.robots.tool import Tool
 from nospill.scenario import scene_from_table
 from nospill.scenario.cargo_entries import CARGO_TABLES
 from nospill.scenario.carrier_reader import check_carrier, seated
@@ -25,7 +23,6 @@ from nospill.scenario.model import Scenario
 from nospill.scenario.reader import read_object
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
-from nospill.scene.tray import Tray
 from nospill.studio.draft import Key
 
 _MORE = re.compile(r" \(and \d+ more mistakes?( in [^()]*)?\)$")
@@ -135,12 +132,7 @@ def _cargo_faults(scenario: Scenario, table: Mapping[str, Any]) -> list[Fault]:
         else:
             cargo.append(item)
             known.setdefault(entry.name, item)
-    tray = Tray(
-        size=np.array(scenario.tray.size),
-        tool=Tool(np.array(scenario.tray.offset), scenario.tray.yaw_on_flange),
-        mass=scenario.tray.mass,
-    )
-    return faults + [_locate(where, text, table) for where, text in layout_faults(cargo, tray)]
+    return faults + [_locate(where, text, table) for where, text in layout_faults(cargo, scenario.tray.build())]
 
 
 def _from_sentence(line: str, table: Mapping[str, Any]) -> Fault:

@@ -18,6 +18,7 @@ from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.robots.kinematics.chain import about_z
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.regularity import determinant_expression
+from nospill.robots.tool import TOOL_NUMBERS
 from nospill.transcription.layout import IntegratorChain, Layout
 from nospill.transcription.path_expression import PathPiece
 from nospill.transcription.problem_numbers import ProblemNumbers
@@ -79,7 +80,7 @@ def _twist_change(structure: Structure) -> Any:
     """(q, qd, qdd, tool) -> time derivative (6, 1) of the tray's twist in axes of the arm."""
     arm = kinematics(structure)
     symbols = [SX.sym(name, arm.n) for name in ("q", "qd", "qdd")]
-    tool = SX.sym("tool", 4)
+    tool = SX.sym("tool", TOOL_NUMBERS)
     return ca.Function("twist_change", [*symbols, tool], [arm.twist_change(*symbols, tool=tool)], {"cse": True})
 
 
@@ -88,7 +89,7 @@ def _twist_jerk(structure: Structure) -> Any:
     """(q, qd, qdd, qddd, tool) -> second time derivative (6, 1) of the tray's twist in axes of the arm."""
     arm = kinematics(structure)
     symbols = [SX.sym(name, arm.n) for name in ("q", "qd", "qdd", "qddd")]
-    tool = SX.sym("tool", 4)
+    tool = SX.sym("tool", TOOL_NUMBERS)
     change = _twist_change(structure)(*symbols[:3], tool)
     jerk = ca.jtimes(change, ca.vertcat(*symbols[:3]), ca.vertcat(*symbols[1:]))
     return ca.Function("twist_jerk", [*symbols, tool], [jerk], {"cse": True})

@@ -260,13 +260,12 @@ class PlanView:
         self._world = scene.add_frame(world, show_axes=False)
         scene.add_frame(f"{world}/arm", show_axes=False)
         self.arm = ArmView(scene, whole.robot, root=f"{world}/arm", tray=whole.tray, chain=chain, meshes=meshes)
-        half = whole.tray.tool.yaw / 2
         tray_node = f"{self.arm.flange}/tray"
         scene.add_frame(
             tray_node,
             show_axes=False,
             position=tuple(whole.tray.tool.position),
-            wxyz=(np.cos(half), 0.0, 0.0, np.sin(half)),
+            wxyz=Rotation.from_matrix(whole.tray.tool.rotation).as_quat()[[3, 0, 1, 2]],
         )
         scene.add_frame(f"{root}/names", show_axes=False)
         names, order = f"{root}/names", whole.motion.slosh_height

@@ -9,10 +9,11 @@ import pytest
 from nospill.errors import ScenarioError
 from nospill.robots.description.catalog import ROBOTS, load_robot
 from nospill.robots.kinematics.forward import kinematics
-from nospill.robots.tool import FLANGE, Tool
+from nospill.robots.tool import FLANGE, TOOL_NUMBERS, Tool
 from tests.measured import measured_data
 
 TOOL = Tool(np.array([0.03, -0.05, 0.108]), 0.7)
+BRACKET = Tool(np.array([0.2, -0.05, 0.108]), 0.7, roll=-0.4, pitch=1.2)
 
 
 def random_states(robot, count, seed=0):
@@ -27,12 +28,12 @@ def about_z(angle):
 
 @pytest.mark.oracle
 @pytest.mark.parametrize("name", ROBOTS)
-@pytest.mark.parametrize("tool", [FLANGE, TOOL], ids=["flange", "tool"])
+@pytest.mark.parametrize("tool", [FLANGE, TOOL, BRACKET], ids=["flange", "tool", "bracket"])
 def test_agrees_with_pinocchio(name, tool):
     pin = pytest.importorskip("pinocchio")
     robot = load_robot(name)
     model = pin.buildModelFromXML(robot.urdf)
-    offset = pin.SE3(about_z(tool.yaw), tool.position)
+    offset = pin.SE3(pin.rpy.rpyToMatrix(tool.roll, tool.pitch, tool.yaw), tool.position)
     flange = model.getFrameId(robot.tip)
     parent = model.frames[flange]
     frame = model.addFrame(
@@ -119,7 +120,7 @@ def test_smart_six_drawing():
 def test_expressions_agree_with_samples_and_take_symbolic_tools():
     robot = load_robot("comau-smart-six")
     arm = kinematics(robot)
-    q, qd, tool = ca.SX.sym("q", 6), ca.SX.sym("qd", 6), ca.SX.sym("tool", 4)
+    q, qd, tool = ca.SX.sym("q", 6), ca.SX.sym("qd", 6), ca.SX.sym("tool", TOOL_NUMBERS)
     pose = arm.pose(q, tool=tool)
     twist = arm.twist(q, qd, tool=tool)
     function = ca.Function("f", [q, qd, tool], [*pose, *twist])
@@ -134,7 +135,7 @@ def test_expressions_agree_with_samples_and_take_symbolic_tools():
 def test_expression_stays_small():
     """The optimal control problem maps this over its stages: its size is its cost."""
     q = ca.SX.sym("q", 6)
-    pose = kinematics(load_robot("comau-smart-six")).pose(q, tool=np.array([0, 0, 0.108, 0]))
+    pose = kinematics(load_robot("comau-smart-six")).pose(q, tool=Tool(np.array([0, 0, 0.108])).row)
     assert ca.Function("f", [q], list(pose)).n_nodes() <= 150
 
 

@@ -37,7 +37,7 @@ class ChainExpressions:
 
 
 def chain_expressions(chain: BodyChain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> ChainExpressions:
-    """Motion of a tool frame: `tool` (4, 1) is its origin in flange axes and its turn about the flange's z."""
+    """Motion of a tool frame: `tool` (12, 1) is its origin and its axes in those of the flange, as `Tool.row`."""
     q, qd, qdd = body_angles(chain, q), body_rates(chain, qd), body_rates(chain, qdd)
     position, rotation = SX.zeros(3), SX.eye(3)
     velocity = omega = acceleration = alpha = SX(3, 1)
@@ -59,7 +59,7 @@ def chain_expressions(chain: BodyChain, q: SX, qd: SX, qdd: SX, *, tool: SX) -> 
     flange = rotation @ _constant(_squared(chain.flange_rotation))
     position, velocity, acceleration = carry(rotation @ _constant(chain.flange_position) + flange @ tool[:3])
     columns = [ca.vertcat(ca.cross(axis, position - origin), axis) for axis, origin in zip(axes, origins, strict=True)]
-    turned = flange @ about_z(tool[3])
+    turned = flange @ ca.reshape(tool[3:], 3, 3).T
     jacobian = of_joints(chain, ca.horzcat(*columns))
     return ChainExpressions(position, turned, velocity, omega, acceleration, alpha, jacobian)
 

@@ -21,9 +21,9 @@ from nospill.robots.description.urdf import without_place
 from nospill.robots.description.urdf_tree import read_tree
 from nospill.robots.kinematics.bodies import BodyChain, chain_bodies
 from nospill.robots.kinematics.chain import ChainExpressions, chain_expressions, with_base_at
-from nospill.robots.tool import FLANGE, Tool
+from nospill.robots.tool import FLANGE, TOOL_NUMBERS, Tool
 
-SHARED = 8
+SHARED = TOOL_NUMBERS + 4
 """Numbers of a tool and of the place of a base."""
 _OF_COLUMNS: codegen.Shared = dict.fromkeys(("pose", "jacobian", "pose_and_jacobian", "motion"), codegen.LAST)
 
@@ -79,7 +79,7 @@ class Kinematics:
     def _symbolic(self) -> dict[str, Any]:
         """Functions of q and tool for expressions."""
         q, rate, change = (ca.SX.sym(name, self.n) for name in ("q", "qd", "qdd"))
-        tool = ca.SX.sym("tool", 4)
+        tool = ca.SX.sym("tool", TOOL_NUMBERS)
         motion = chain_expressions(self._chain, q, rate, change, tool=tool)
         velocities = [motion.velocity, motion.angular_velocity]
         accelerations = [motion.acceleration, motion.angular_acceleration]
@@ -122,9 +122,9 @@ class Kinematics:
             rate: (n, 1) joint speeds, rad/s; at rest when left out.
             change: (n, 1) joint accelerations, rad/s^2; likewise.
         """
-        none, tool = ca.SX.zeros(self.n), shared[:4]
+        none, tool = ca.SX.zeros(self.n), shared[:TOOL_NUMBERS]
         rate, change = (none if given is None else given for given in (rate, change))
-        return with_base_at(chain_expressions(_chain(*self.stood), q, rate, change, tool=tool), shared[4:])
+        return with_base_at(chain_expressions(_chain(*self.stood), q, rate, change, tool=tool), shared[TOOL_NUMBERS:])
 
     def shared_of(self, tool: Tool) -> np.ndarray:
         """What functions of samples have in common, (`SHARED`,): the tool, and the place of the base."""
