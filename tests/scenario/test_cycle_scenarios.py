@@ -94,6 +94,10 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ({"approach": {"from": "home"}}, r"approach in a cycle"),
     ({"initial_state": {}}, r"initial_state in a cycle"),
     ({"robot.base_yaw": "free"}, r'base_yaw = "free" in a cycle'),
+    (
+        {"leg.1.path": {"type": "free", "start": {"position": [0.5, 0.2, 0.4], "yaw": "free"}}},
+        r'leg "back": path.start.yaw = "free" in a cycle: the place between two legs is known before',
+    ),
     ({"cargo.near.initial_swing": {"displacement": [[0, 0]]}}, r'cargo "near": initial_swing in a cycle'),
     ({"leg": [{"name": "out"}]}, r"1 \[\[leg\]\] tables; a cycle has 2 to 50"),
     ({"leg": {"name": "out"}}, r"write \[\[leg\]\], with two brackets"),

@@ -27,6 +27,7 @@ LOADING, JOINT_PATHS, COARSE, FINE, CERTIFICATE, FILES = PLANNING_STEPS
 
 _STEP_OF = {
     "base yaw": JOINT_PATHS,
+    "yaw of the ends": JOINT_PATHS,
     "way": JOINT_PATHS,
     "ends": JOINT_PATHS,
     "kinematics": JOINT_PATHS,

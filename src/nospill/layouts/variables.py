@@ -12,6 +12,7 @@ from nospill.core.units import as_written, in_si
 from nospill.errors import ScenarioError
 from nospill.path_search.base_yaw import has_free_base
 from nospill.path_search.candidates import has_free_path
+from nospill.path_search.end_yaws import free_ends
 from nospill.scenario.layout import footprint_core
 from nospill.scenario.settings import stated_value
 from nospill.scene.cargo import Cargo
@@ -88,6 +89,8 @@ def variables_of(base: Scene, free: Mapping[str, Any]) -> Variables:
             'robot.base_yaw = "free" is chosen anew for every layout; state an angle, and let robot.base_yaw change '
             "between two values"
         )
+    if ends := free_ends(base):
+        raise ScenarioError(f'path.{ends[0]}.yaw = "free" is chosen anew for every layout; state an angle')
     if has_free_path(base) and (moved := next((key for key in expanded if key.startswith("path.")), None)):
         raise ScenarioError(
             f"{moved}: the ends of a free path are not moved by a layout; try values with nospill sweep"

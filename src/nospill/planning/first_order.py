@@ -13,6 +13,7 @@ from nospill.errors import ScenarioError
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.path_search.base_yaw import has_free_base
 from nospill.path_search.candidates import has_free_path
+from nospill.path_search.end_yaws import free_ends
 from nospill.planning.candidate import Candidate
 from nospill.planning.task import Task
 from nospill.scene.scene import Scene
@@ -35,6 +36,8 @@ def duration_change(candidate: Candidate, scene: Scene) -> float:
     active, problem = candidate.active, candidate.problem
     if has_free_base(scene):
         raise ScenarioError('robot.base_yaw is "free", so that it changes with every scene; state an angle')
+    if free_ends(scene):
+        raise ScenarioError('yaw = "free" at an end of the path changes with every scene; state an angle')
     if has_free_path(scene):
         scene = replace(scene, path=active.task.scene.path)
     task = replace(Task.of(scene, active.task.ignored), passage=active.task.passage)

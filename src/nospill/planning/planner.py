@@ -20,6 +20,7 @@ from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_fre
 from nospill.path_search.branches import require_free_ends
 from nospill.path_search.candidates import has_free_path
 from nospill.path_search.direct_way import blocked_direct_way
+from nospill.path_search.end_yaws import choose_end_yaws, end_yaws_text, free_ends
 from nospill.path_search.free_path import fastest_clear_path, paths_along
 from nospill.path_search.standing import advised_free_paths, require_standing_room
 from nospill.planning.candidate import Candidate
@@ -103,6 +104,10 @@ def _plan(
     if base_is_free:
         with log.phase("base yaw"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
             scene = choose_base_yaw(scene)
+    free = free_ends(scene)
+    if free:
+        with log.phase("yaw of the ends"):
+            scene = choose_end_yaws(scene)
     with log.phase("ends"):
         if scene.obstacles:
             require_free_ends(scene)
@@ -121,6 +126,7 @@ def _plan(
         jerk_weight_factor=judged.candidate.active.jerk_weight_factor,
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
+        end_yaws=end_yaws_text(scene, free) if free else None,
         blocked_way=blocked_direct_way(open_scene, scene),
         fallbacks=fallbacks(judged.candidate, log, instead),
         warm=warm is not None and not log.not_warm,

@@ -95,6 +95,7 @@ def slower(planned: Plan, speed: float) -> Plan:
                 PlanningReport.empty("another time law"),
                 branch=planned.report.branch,
                 base_yaw=planned.report.base_yaw,
+                end_yaws=planned.report.end_yaws,
                 blocked_way=planned.report.blocked_way,
                 plan_time=time.perf_counter() - began,
             )

@@ -461,6 +461,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "linear_solvers": _Kept("report", "linear_solvers", Counter, _solvers_read),
     "branch": _Kept("report", "branch"),
     "base_yaw": _Kept("report", "base_yaw"),
+    "end_yaws": _Kept("report", "end_yaws"),
     "blocked_way": _Kept("report", "blocked_way"),
     "warm": _Kept("report", "warm"),
     "not_warm": _Kept("report", "not_warm"),

@@ -92,6 +92,7 @@ class PlanningReport:
         backoff: fraction of the budget kept from the optimiser, by "constraint | subject", where it is above the first.
         branch: the start configuration in words.
         base_yaw: which one was taken if the scenario left it free, or None.
+        end_yaws: likewise of the ends of a free path, as "start 0 deg, goal 45 deg".
         blocked_way: what is in the way of the direct one where a free path takes another, in words, or empty.
         linear_solvers: of every solve; where one failed, the one after it and its own name.
         savings: s, by "constraint | subject": what a limit wider by a tenth would save, to the first order, of those
@@ -114,6 +115,7 @@ class PlanningReport:
     backoff: dict[str, float]
     branch: str = ""
     base_yaw: str | None = None
+    end_yaws: str | None = None
     blocked_way: str = ""
     linear_solvers: tuple[str, ...] = ()
     savings: dict[str, float] = field(default_factory=dict)

@@ -10,6 +10,7 @@ import numpy as np
 from nospill.core.attitudes import angles_between
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ScenarioError
+from nospill.path_search.end_yaws import free_ends
 from nospill.plans.plan import Plan
 from nospill.robots.description.urdf import base_pose, without_place
 from nospill.robots.kinematics.forward import kinematics
@@ -172,7 +173,7 @@ def _of_liquid(filling: Filling) -> Iterator[tuple[str, str]]:
 def _require_same_place(scene: Scene, plan: Plan) -> None:
     ours, theirs = scene.path.at([0.0])[0], plan.scene.path.at([1.0])[0]
     distance = float(np.linalg.norm(ours[:3] - theirs[:3]))
-    turn = abs(math.remainder(float(ours[3] - theirs[3]), 2.0 * math.pi))
+    turn = 0.0 if "start" in free_ends(scene) else abs(math.remainder(float(ours[3] - theirs[3]), 2.0 * math.pi))
     if distance > _SAME_PLACE or turn > _SAME_YAW:
         raise ScenarioError(
             f"{scene.name}: the motion begins {format_quantity(distance, 'length', digits=3)} and "

@@ -33,6 +33,8 @@ def _choices(found: Plan) -> list[str]:
     lines = [f"branch: {found.report.branch}"]
     if found.report.base_yaw is not None:
         lines.append(f"base yaw: {found.report.base_yaw} (left free)")
+    if found.report.end_yaws is not None:
+        lines.append(f"yaw of the tray: {found.report.end_yaws} (left free)")
     rules = found.scene.motion
     if rules.hold_before or rules.hold_after:
         lines.append(f"holds: {rules.hold_before:g} s before and {rules.hold_after:g} s after, in exported files")

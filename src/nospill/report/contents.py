@@ -192,6 +192,7 @@ def _planning(plan: Plan) -> TextTable:
         ("on the coarse grid", durations),
         ("branch", report.branch),
         ("base yaw, left free", report.base_yaw or ""),
+        ("yaw of the tray, left free", report.end_yaws or ""),
         ("direct way, blocked", report.blocked_way),
         ("iterations", str(report.iterations)),
         ("rounds", f"{report.rounds} of tightening what the judge objected to"),

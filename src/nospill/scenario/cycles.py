@@ -81,6 +81,7 @@ def cycle_from_table(table: Mapping[str, Any], *, name: str, folder: Path = Path
     made: list[CycleLeg] = []
     for index, leg in enumerate(legs):
         place = entry_place("leg", index, {"name": leg.name})
+        _refuse_free_yaw(leg, f"{label}: {place}")
         path = _closed(dict(leg.path), made, last=index == len(legs) - 1, where=f"{label}: {place}")
         rules = {**table.get("motion", {}), **leg.motion}
         dwell = None if leg.dwell == SHORTEST else float(leg.dwell)
@@ -165,6 +166,18 @@ def _refuse_what_means_nothing(table: Mapping[str, Any], legs: Sequence[LegTable
         if isinstance(entry, Mapping) and "initial_swing" in entry:
             place = f"cargo {as_written(entry.get('name'))}"
             raise report(label, [(place, "initial_swing in a cycle: its first leg begins at rest; leave it out")])
+
+
+def _refuse_free_yaw(leg: LegTable, where: str) -> None:
+    if leg.path.get("type") != "free":
+        return
+    for end in ("start", "goal"):
+        place = leg.path.get(end)
+        if isinstance(place, Mapping) and place.get("yaw") == FREE:
+            raise ScenarioError(
+                f'{where}: path.{end}.yaw = "free" in a cycle: the place between two legs is known before they are '
+                "planned; state an angle"
+            )
 
 
 def _first_named(legs: Sequence[LegTable]) -> dict[str, str]:

@@ -129,7 +129,16 @@ class FreePath(CorridorTable):
         stated = next((key for key, entry in ends.items() if entry.joints is not None), None)
         if base_is_free and stated is not None:
             raise ScenarioError(f"{stated}.joints: where the tray is then depends on base_yaw, which is free; state it")
-        return self.model_copy(update={key: resolve_place(entry, key, robot, tool) for key, entry in ends.items()})
+        free = [key for key, entry in ends.items() if entry.is_free]
+        if free and base_is_free:
+            raise ScenarioError(f"{free[0]}.yaw and robot.base_yaw are both free; state one of them")
+        if free and self.way_yaw is not None:
+            raise ScenarioError(f"{free[0]}.yaw is free, and way_yaw states it; leave one of them out")
+        known = {key: resolve_place(entry, key, robot, tool) for key, entry in ends.items()}
+        if len(free) == 1:  # until it is chosen, the tray does not turn
+            other = next(entry for key, entry in known.items() if key not in free)
+            known[free[0]] = known[free[0]].model_copy(update={"yaw": other.yaw})
+        return self.model_copy(update=known)
 
     @property
     def width(self) -> float:
@@ -184,7 +193,7 @@ class FreePath(CorridorTable):
 
     def _between(self) -> Path:
         start, goal = self.start, self.goal
-        yaw = (start.yaw, goal.yaw)
+        yaw = (start.heading, goal.heading)
         self._check_places()
         if self.way is None:
             if self.way_yaw is not None or self.way_joints is not None:
@@ -238,7 +247,7 @@ class FreePath(CorridorTable):
                     f"{key} has {len(values)} entries for the {len(way)} points of way; leave all of them out"
                 )
         for name, place, angle in (("start", self.start, way_yaw[0]), ("goal", self.goal, way_yaw[-1])):
-            gap = abs(math.remainder(angle - place.yaw, math.tau))
+            gap = abs(math.remainder(angle - place.heading, math.tau))
             if gap > SAME_PLACE:
                 shown = format_quantity(gap, "angle", digits=3)
                 raise ScenarioError(f"way_yaw: its end at the {name} is turned by {shown} from it; leave it out")

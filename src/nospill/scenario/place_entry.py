@@ -17,7 +17,7 @@ from nospill.robots.description.limits import within_limits
 from nospill.robots.description.urdf_tree import about_axis
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
-from nospill.scenario.fields import JOINT_ANGLE, POINT, Angle
+from nospill.scenario.fields import ANGLE, FREE, JOINT_ANGLE, POINT, WordOr
 from nospill.scenario.tables import Given, OptionalQuantities, Table, Values, default
 
 MOST_LEAN = math.radians(0.5)
@@ -35,7 +35,11 @@ class PlaceTable(Table):
     """A place of the tray, level."""
 
     position: Annotated[OptionalQuantities, POINT, Field(description="of the tray's centre")] = default(None)
-    yaw: Annotated[Angle, Field(description="of the tray")] = default(0.0)
+    yaw: Annotated[
+        float | str,
+        WordOr(word=FREE, entry=ANGLE),
+        Field(description='of the tray; "free" leaves it to the planner, which chooses one of every 15 deg'),
+    ] = 0.0
     joints: Annotated[
         Given[list[Annotated[float, JOINT_ANGLE]] | None, Values | None],
         Field(
@@ -43,6 +47,17 @@ class PlaceTable(Table):
             "is level in them to 0.5 deg"
         ),
     ] = default(None)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the yaw is left to the planner."""
+        return self.yaw == FREE
+
+    @property
+    def heading(self) -> float:
+        """The yaw, rad, once it is known."""
+        assert isinstance(self.yaw, float)  # as `Placed` has it
+        return self.yaw
 
     @property
     def at(self) -> tuple[float, float, float]:
@@ -80,7 +95,7 @@ def resolve_place(entry: PlaceTable, key: str, robot: Robot, tool: Tool) -> Plac
     """The place with position and yaw, and with joints in which the tray is level.
 
     Args:
-        entry: as stated.
+        entry: as stated; a yaw that is free is zero until it is chosen.
         key: its name in the scenario.
         robot: the arm.
         tool: frame of the tray on its flange.
@@ -92,7 +107,7 @@ def resolve_place(entry: PlaceTable, key: str, robot: Robot, tool: Tool) -> Plac
     if entry.joints is None:
         if entry.position is None:
             raise ScenarioError(f"{key}: position is missing; give it, or joints")
-        return Placed(position=entry.position, yaw=entry.yaw)
+        return Placed(position=entry.position, yaw=0.0 if entry.is_free else entry.yaw)
     if entry.position is not None or entry.yaw:
         raise ScenarioError(f"{key}: joints stand in the place of position and yaw; give one or the other")
     # imported here: slow to import, and needed for stated joints only
