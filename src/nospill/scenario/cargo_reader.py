@@ -140,11 +140,6 @@ def _check_keys(entry: CargoTable) -> None:
         if entry.centre_of_mass is not None and entry.centre_of_mass_height is not None:
             raise ScenarioError("centre_of_mass and centre_of_mass_height are both given; keep one of them")
         return
-    if entry.carrier and entry.initial_swing is not None:
-        raise ScenarioError(
-            f"initial_swing is given to what stands in {as_written(entry.carrier)}; a carrier feels its liquids from "
-            "rest only: wait until they are at rest, or place them on the tray"
-        )
     if entry.liquid_height is None and entry.liquid_volume is None:
         raise ScenarioError(
             'liquid_height is missing: a liquid needs one, for example liquid_height = "49 mm", or liquid_volume'

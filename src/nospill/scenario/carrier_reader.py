@@ -46,6 +46,11 @@ def check_carrier(entry: CargoTable, entries: Mapping[str, CargoTable]) -> None:
         raise ScenarioError(
             f"carrier {as_written(entry.carrier)} stands in {as_written(carrier.carrier)} itself; name that one"
         )
+    if entry.initial_swing is not None and not carrier.fixed:  # of what is fixed no row reads what its liquids do to it
+        raise ScenarioError(
+            f"initial_swing is given to what stands in {as_written(entry.carrier)}; a carrier that is not fixed feels "
+            "its liquids from rest only: wait until they are at rest, or place them on the tray"
+        )
     for key in _OF_CARRIER:
         if getattr(entry, key) is not None:
             raise ScenarioError(f"{key} is given, but it stands in {as_written(entry.carrier)}; give that one the key")
