@@ -130,6 +130,8 @@ def lines(results: dict[str, Any]) -> Iterator[Line]:
         yield from share(key, "4 cups", 10 if count == 32 else None)
     for count in (4, 16, 64):
         yield from share(f"{count} different cups", "4 different cups", 20 if count == 64 else None)
+    for count in (132, 500):
+        yield from share(f"{count} wells and vials", "cold matrix-liquid", 5 if count == 132 else None)
     for intervals in (50, 100, 200, 400):
         yield from share(f"N = {intervals}", "N = 100", 4.2 if intervals == 400 else None)
     yield from share("toppra, rigid on a level tray", "cold matrix-rigid", None)

@@ -40,6 +40,7 @@ TWENTY_MODES = ("matrix-liquid-tilt", "mixed-tray")
 """Those of them that are also planned as the examples stand, with the full model."""
 CUPS = (1, 2, 4, 8, 16, 32)
 DIFFERENT = (4, 16, 64)
+WELLS = (132, 500)
 INTERVALS = (50, 100, 200, 400)
 GROUPS = (
     "baseline",
@@ -51,6 +52,7 @@ GROUPS = (
     "first",
     "cups",
     "different",
+    "wells",
     "grid",
     "toppra",
 )
@@ -211,6 +213,9 @@ def measurements(bench: Bench) -> list[Measurement]:
     for count in DIFFERENT:
         run = lambda count=count: task("different", str(count), mode="off")  # noqa: E731
         found.append(Measurement(f"{count} different cups", "different", run, once=count > 16))
+    for count in WELLS:
+        run = lambda count=count: task("wells", str(count))  # noqa: E731
+        found.append(Measurement(f"{count} wells and vials", "wells", run))
     for intervals in INTERVALS:
         run = lambda intervals=intervals: task("cold", "matrix-liquid", "--intervals", str(intervals))  # noqa: E731
         found.append(Measurement(f"N = {intervals}", "grid", run))
@@ -220,6 +225,7 @@ def measurements(bench: Bench) -> list[Measurement]:
 def fill_cache(bench: Bench, groups: set[str]) -> dict[str, float]:
     """Compile what the measurements need; seconds of each first run."""
     needed = [("cold", name) for name in EXAMPLES if groups & {"cold", "warm", "process", "first", "grid"}]
+    needed += [("wells", str(count)) for count in WELLS if "wells" in groups]
     needed += [("cold", name, "--modes", "20") for name in TWENTY_MODES if "cold" in groups]
     seconds = {"cache --warm": bench.warm()} if "first" in groups else {}
     for arguments in needed:

@@ -123,6 +123,32 @@ def different_cups(count: int) -> Scene:
     return scene_from_table(table, name=f"{count} different cups")
 
 
+def wells_and_vials(count: int) -> Scene:
+    """The liquid example with a plate of fixed wells and free vials for its cups, fills all different.
+
+    132 are a plate of 96 wells and 36 vials, 500 a plate of 464 and the same vials; at most 500.
+    """
+    table = _table("matrix-liquid")
+    vials, rows = 36, 8 if count <= 132 else 22
+    kinds = {
+        "well": {"radius": "3.4 mm", "height": "11 mm", "max_slosh_height": "2 mm", "empty_mass": "0.5 g"},
+        "vial": {"radius": "8 mm", "height": "45 mm", "max_slosh_height": "5 mm", "empty_mass": "6 g"},
+    }
+    fills = {"well": lambda n: 5.0 + 3.0 * (37 * n % 509) / 509, "vial": lambda n: 18.0 + 14.0 * (53 * n % 97) / 97}
+    table["cargo"] = [
+        {"name": f"{kind}-{n + 1}", "at": place, "shape": "cylinder", "liquid": "water", **kinds[kind]}
+        | {"liquid_height": f"{fills[kind](n):.3f} mm", "fixed": kind == "well"}
+        for kind, n, place in (
+            *(
+                ("well", n, [f"{9 * (n // rows) - 150} mm", f"{9 * (n % rows) - 4.5 * (rows - 1)} mm"])
+                for n in range(count - vials)
+            ),
+            *(("vial", n, [f"{146 - 20 * (n // 9)} mm", f"{20 * (n % 9) - 80} mm"]) for n in range(vials)),
+        )
+    ]
+    return scene_from_table(table, name=f"{count} wells and vials")
+
+
 UNSEEN = ("three cups", "five cups and a bottle", "seven joints")
 """Structures that no example has."""
 

@@ -4,6 +4,7 @@
     python -m benchmarks.planning.tasks cold matrix-liquid [--intervals 200] [--modes 20]
     python -m benchmarks.planning.tasks cups 8
     python -m benchmarks.planning.tasks different 64
+    python -m benchmarks.planning.tasks wells 132
     python -m benchmarks.planning.tasks unseen "three cups"
     python -m benchmarks.planning.tasks warm matrix-liquid
     python -m benchmarks.planning.tasks toppra matrix-rigid
@@ -100,6 +101,8 @@ def _measured(arguments: argparse.Namespace) -> dict[str, Any]:
         return cold(scenes.tray_of_cups(int(what)))
     if arguments.task == "different":
         return cold(scenes.different_cups(int(what)))
+    if arguments.task == "wells":
+        return cold(scenes.wells_and_vials(int(what)))
     if arguments.task == "unseen":
         return cold(scenes.unseen(what))
     return cold(scenes.example(what, intervals=arguments.intervals, modes=arguments.modes))
@@ -108,7 +111,7 @@ def _measured(arguments: argparse.Namespace) -> dict[str, Any]:
 def main() -> None:
     """Measure what the command line asks for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("task", choices=("baseline", "cold", "cups", "different", "unseen", "warm", "toppra"))
+    parser.add_argument("task", choices=("baseline", "cold", "cups", "different", "wells", "unseen", "warm", "toppra"))
     parser.add_argument("what")
     parser.add_argument("--intervals", type=int)
     parser.add_argument("--modes", type=int, default=1)

@@ -272,6 +272,18 @@ def test_of_many_different_objects_the_delicate_are_in_the_problem_and_the_arm_c
     np.testing.assert_array_equal(flange_load(active.scene, task.payload).mass, flange_load(task.scene).mass)
 
 
+def test_of_very_many_different_objects_two_begin_and_two_join_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same twelve cups where twelve are very many: neighbours in frequency swing alike."""
+    monkeypatch.setattr("nospill.planning.task._MANY", 11)
+    task = Task.of(many_cups())
+    active = ActiveSet.of(task, Q)
+    delicate = {cargo.name for cargo in least_tolerant_objects(task.model, 2)}
+    assert set(members(active)) == delicate
+    others = [cargo.name for cargo in task.model.cargo if cargo.name not in delicate]
+    grown = active.after(judgement(*(row("slip", name, -0.01 * (n + 1)) for n, name in enumerate(others))))
+    assert set(members(grown)) == delicate | set(others[-2:])
+
+
 def test_the_worst_objects_without_members_join_however_little_they_are_over() -> None:
     active = ActiveSet.of(Task.of(many_cups()), Q)
     over = [row("residual height", f"c{index}", -0.001 * index) for index in range(1, 13)]

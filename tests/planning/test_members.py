@@ -25,7 +25,7 @@ def _with_range(scene: Scene, least: float) -> Scene:
 def test_the_example_of_two_like_cups() -> None:
     """As the module tells it: the worst variant of each joins, the others are for the rows in the problem."""
     uses = {("c1", ""): 1.004, ("c1", "+2 mm"): 1.020, ("c2", "+2 mm"): 1.018, ("c2", "-2 mm"): 1.003}
-    members = Members({("c1", ""): "c1"}, dict.fromkeys(uses, 1.0), read_scenario("matrix-liquid").cargo[:2])
+    members = Members({("c1", ""): "c1"}, dict.fromkeys(uses, 1.0), read_scenario("matrix-liquid").cargo[:2], 4)
     rows = [
         Row("slosh height", name, "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, text) for (name, text), use in uses.items()
     ]
@@ -52,7 +52,7 @@ def test_peaks_beside_which_back_off_is_in_vain_join(smooth_motion: Callable) ->
         rows = [Row(constraint, "a", "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, at) for at, use in peak.items()]
         backoff = {RowId(constraint, f"a at {number[1:]}"): value for number, value in kept.items()}
         t = np.array([0.0, 0.01])  # no speed is far from another
-        found = Members(names, speeds, (cup,)).missing(rows, above=1.005, outer=["a"], backoff=backoff, t=t)
+        found = Members(names, speeds, (cup,), 4).missing(rows, above=1.005, outer=["a"], backoff=backoff, t=t)
         return {text for _, text in found}
 
     assert joining("residual height", 1.2, _4=0.3, _8=0.5) == {"6"}
@@ -73,7 +73,7 @@ def test_solids_join_wherever_they_break_a_limit(smooth_motion: Callable) -> Non
     def joining(use: float) -> set[str]:
         slowed = [item for own in families for item in own[1:]]
         rows = [Row("slip", item.name, "1", 1.0, use, 1.0 - use, 0.0, use <= 1.0, item.text) for item in slowed]
-        found = Members(names, speeds, scene.cargo).missing(
+        found = Members(names, speeds, scene.cargo, 4).missing(
             rows, above=1.5, outer=[], backoff={}, t=np.array([0.0, 2.0])
         )
         return {name for name, _ in found}
@@ -94,8 +94,8 @@ def test_a_peak_far_from_all_slowed_members_joins(smooth_motion: Callable) -> No
         rows = [
             Row("residual height", "a", "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, text) for text, use in uses.items()
         ]
-        assert {text for _, text in Members(names, speeds, cargo).far_peaks(rows, t)} == expected
-        assert Members({("a", ""): "a"}, speeds, cargo).far_peaks(rows, t) == set()  # nothing is slowed yet
+        assert {text for _, text in Members(names, speeds, cargo, 4).far_peaks(rows, t)} == expected
+        assert Members({("a", ""): "a"}, speeds, cargo, 4).far_peaks(rows, t) == set()  # nothing is slowed yet
     assert not is_far(0.3, [("a", "")], {("a", ""): 1.0}, 0.1)
 
 

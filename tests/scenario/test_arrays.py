@@ -70,7 +70,7 @@ def test_other_objects_keep_their_order_and_what_is_said_of_all_holds_for_each()
         ({"array": {"count": [3, 2], "pitch": ["15 mm", "30 mm"]}}, "array.pitch 15 mm along x is less than the 16 mm"),
         ({"array": {"count": [3, 2], "pitch": ["18 mm", "0 mm"]}}, 'pitch "0 mm" is out of range'),
         ({"array": {"count": [3, 0], "pitch": ["18 mm", "18 mm"]}}, r"count \[3, 0\] is out of range: one at least"),
-        ({"array": {"count": [12, 9], "pitch": ["1 mm", "1 mm"]}}, "at most 100 objects in all"),
+        ({"array": {"count": [24, 21], "pitch": ["1 mm", "1 mm"]}}, "at most 500 objects in all"),
         ({"array": {"count": [3], "pitch": ["18 mm", "18 mm"]}}, "is no list of two whole numbers"),
         ({"array": {"count": [3, 2.0], "pitch": ["18 mm", "18 mm"]}}, "is no list of two whole numbers"),
         ({"array": {"count": [3, 2]}}, "pitch is missing"),
@@ -85,8 +85,8 @@ def test_what_is_no_array_is_refused(change: dict[str, Any], words: str) -> None
 
 
 def test_all_arrays_together_are_bounded() -> None:
-    many = VIAL | {"array": {"count": [10, 10], "pitch": ["17 mm", "17 mm"]}}
-    with pytest.raises(ScenarioError, match="106 objects stand on the tray; at most 100"):
+    many = VIAL | {"array": {"count": [25, 20], "pitch": ["17 mm", "17 mm"]}}
+    with pytest.raises(ScenarioError, match="506 objects stand on the tray; at most 500"):
         scene_with(many, VIAL | {"name": "more"})
 
 

@@ -277,12 +277,13 @@ def _integrate(scene: Scene, body: np.ndarray, length: float) -> np.ndarray:
     structure, numbers = structure_of(scene), flat_object_numbers(scene)
     initial, half, count = initial_coordinates(scene), coordinate_count(structure), (body.shape[1] - 1) // 2
     alike: dict[Structure, list[int]] = {}
+    slices = structure.slosh_slices
     for index, item in enumerate(structure.objects):
         if item.coordinates:
             alike.setdefault(object_kind(structure, item), []).append(index)
     states = np.empty((count + 1, 2 * half))
     for kind, indices in alike.items():
-        columns = [np.r_[structure.slosh_slices[index]] for index in indices]
+        columns = [np.r_[slices[index]] for index in indices]
         places = np.array([np.concatenate([part, half + part]) for part in columns])
         states[:, places] = integrate(
             liquid_steps(kind),

@@ -102,6 +102,7 @@ def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray]) -> 
     """
     structure, numbers = structure_of(scene), numbers_of(scene)
     owners = {cargo.name: index for index, cargo in enumerate(scene.cargo)}
+    slices = structure.slosh_slices
     for trace in traces:
         if trace.known is None or trace.known.evaluated_at is not EvaluationPoint.END:
             yield trace
@@ -109,7 +110,7 @@ def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray]) -> 
         is_residual, index = trace.constraint == ResidualHeight.name, owners[trace.subject]
         instant = slice(1, 2) if is_residual else slice(0, 1)
         final = replace(trace, **{name: getattr(trace, name)[instant] for name in ("t", "value", "limit", "margin")})
-        item, modes = structure.objects[index], structure.slosh_slices[index]
+        item, modes = structure.objects[index], slices[index]
         if is_residual and item.modes > 1:
             limit = np.abs(final.limit)
             q, qd = (part[modes, 1] for part in states)

@@ -136,7 +136,7 @@ class ActiveSet:
 
     @property
     def _members(self) -> Members:
-        return Members(self.names, self.task.speeds, self.task.model.cargo)
+        return Members(self.names, self.task.speeds, self.task.model.cargo, self.task.at_once)
 
     def with_rows(self, rows: Iterable[RowId]) -> ActiveSet:
         """The same with these rows, as far as they may take part, and those on the final state, which cost little."""

@@ -37,8 +37,6 @@ from nospill.scene.variants import VariantId
 _SLIGHT_OF_SLOWED = 0.1
 """Part of its limit by which a liquid between two speeds of a problem may exceed it before it joins: the back-off of
 those two is cheaper than one member more."""
-_MOST_AT_ONCE = 4
-"""Of a constraint: where the worst ones keep it, most others do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +47,13 @@ class Members:
         names: what each is called in it.
         speeds: of every variant, in the problem or not, as part of the planned one.
         cargo: every object once, with the modes that swing.
+        at_once: how many join at once for one constraint.
     """
 
     names: Mapping[VariantId, str]
     speeds: Mapping[VariantId, float]
     cargo: tuple[Cargo, ...]
+    at_once: int
 
     def missing(
         self,
@@ -91,7 +91,7 @@ class Members:
             at_once = row.subject in alone or row in solids or row in in_vain
             return row.use > (min(above, 1.0) if at_once else above)
 
-        candidates = _worst(condensed(filter(is_over, planned)))
+        candidates = _worst(condensed(filter(is_over, planned)), self.at_once)
         candidates += self._contact_peaks(contacts)
         candidates += self._liquid_candidates(liquids, in_vain, above + _SLIGHT_OF_SLOWED, t)
         return frozenset(_variant(row) for row in candidates if is_over(row)).difference(self.names)
@@ -191,10 +191,10 @@ class Members:
         return float(np.pi / (slowest * np.ptp(t)))
 
 
-def _worst(rows: Iterable[Row]) -> list[Row]:
-    """Of every constraint the `_MOST_AT_ONCE` rows that use most of their limits."""
+def _worst(rows: Iterable[Row], most: int) -> list[Row]:
+    """Of every constraint so many rows that use most of their limits."""
     in_order = groupby(sorted(rows, key=lambda row: (row.constraint, -row.use)), key=lambda row: row.constraint)
-    return [row for _, group in in_order for row in islice(group, _MOST_AT_ONCE)]
+    return [row for _, group in in_order for row in islice(group, most)]
 
 
 def tightened(

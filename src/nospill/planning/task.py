@@ -22,6 +22,11 @@ from nospill.transcription.passages import NOT_BOUNDED, Passage
 
 _MOST_OBJECTS = 8
 """Most objects that a problem begins with: the time of a step grows with their cube."""
+_MANY, _FEW = 40, 2
+"""Outer objects beyond which a problem begins with so few, and as few join at once: of many, neighbours in frequency
+swing alike, and to hold them all still at the end is next to asking for the same again and again."""
+_AT_ONCE = 4
+"""Objects that join a problem at once for one constraint: where the worst ones keep it, most others do."""
 _EXCITED = 2.0
 """Frequencies up to which modes of slowed liquids are carried, over the greatest one that is carried at full speed."""
 
@@ -35,6 +40,7 @@ class Task:
         model: the same with one mode of each, with which a search begins.
         variants: of each object, the stated one first; one alone where its numbers are certain.
         payload: what the flange carries: the objects, each as heavy as its tolerance allows.
+        outer: objects that no like ones stand for.
         ignored: names of constraints that the problem leaves out.
         passage: how the arm passes its singularities.
     """
@@ -43,6 +49,7 @@ class Task:
     model: Scene
     variants: tuple[tuple[Variant, ...], ...]
     payload: tuple[Cargo, ...]
+    outer: frozenset[str]
     ignored: frozenset[str] = frozenset()
     passage: Passage = NOT_BOUNDED
 
@@ -50,7 +57,8 @@ class Task:
     def of(cls, scene: Scene, ignored: Collection[str] = ()) -> Task:
         """The task of a scene, its singularities not looked at yet."""
         model = scene.with_one_mode()
-        return cls(scene, model, variants_by_object(model), heaviest(model), frozenset(ignored))
+        outer = frozenset(cargo.name for cargo in hull_objects(model))
+        return cls(scene, model, variants_by_object(model), heaviest(model), outer, frozenset(ignored))
 
     @property
     def speeds(self) -> Mapping[VariantId, float]:
@@ -104,14 +112,15 @@ class Task:
         return replace(scene, motion=scene.motion.without_freedom()) if self.passage.level else scene
 
     @property
-    def outer(self) -> frozenset[str]:
-        """Objects that no like ones stand for."""
-        return frozenset(cargo.name for cargo in hull_objects(self.model))
+    def at_once(self) -> int:
+        """How many objects join a problem at once for one constraint."""
+        return _FEW if len(self.outer) > _MANY else _AT_ONCE
 
     @property
     def first_members(self) -> frozenset[VariantId]:
         """What a problem begins with: the stated variants of the outer ones of like objects, of many the delicate."""
-        chosen = {cargo.name for cargo in least_tolerant_objects(self.model, _MOST_OBJECTS)}
+        most = _FEW if len(self.outer) > _MANY else _MOST_OBJECTS
+        chosen = {cargo.name for cargo in least_tolerant_objects(self.model, most)}
         return frozenset(stated.id for stated, *_ in self.variants if stated.name in chosen)
 
     def problem_scene(self, members: Collection[VariantId], refined: Collection[str], modes: int) -> Scene:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from nospill.certification.verdict import Trace
 from nospill.certification.wording import percent
@@ -18,6 +21,9 @@ HIGHEST_USE = 2.0
 
 _SLACK = 0.1
 """Use below which a constraint is named only."""
+_MOST_NAMED = 12
+"""Objects that have a line of their own look; of more the fullest do, and the others are grey behind them."""
+_OTHERS = {"color": "#c8c8c8", "linewidth": 0.6}
 
 
 def contact_use_figure(evidence: Evidence) -> Figure | None:
@@ -34,19 +40,19 @@ def contact_use_figure(evidence: Evidence) -> Figure | None:
     ordered = sorted(peaks, key=lambda name: -peaks[name][0])
     shown = [name for name in ordered if peaks[name][0] >= _SLACK] or ordered[:1]
     slack = [f"{name} {percent(*peaks[name])}" for name in ordered if name not in shown]
+    looks = looks_of([trace for name in shown for trace in by_constraint[name]], subjects)
     panels = time_panels(
         evidence,
         "Contact of every object",
         count=len(shown),
         columns=2 if len(shown) > 1 else 1,
         height=1.45,
-        legend=[line_key(plain(name), index) for index, name in enumerate(subjects)],
+        legend=legend_of(looks, len(subjects)),
         share_height=False,
         note=f"Below {100 * _SLACK:.0f} % of its limit at all times: {', '.join(slack)}" if slack else "",
     )
     for axes, name in zip(panels.axes, shown, strict=True):
-        traces = by_constraint[name]
-        draw_use(axes, name, traces, looks=[subjects.index(trace.subject) for trace in traces])
+        draw_use(axes, name, by_constraint[name], looks=looks)
         axes.set_xlim(0.0, evidence.end_time)
     return panels.figure
 
@@ -57,19 +63,44 @@ def _largest(traces: tuple[Trace, ...]) -> tuple[float, bool]:
     return use, use <= 1.0
 
 
-def draw_use(axes: Axes, title: str, traces: tuple[Trace, ...], *, looks: list[int]) -> None:
+def looks_of(traces: Iterable[Trace], subjects: Sequence[str], most: int = _MOST_NAMED) -> dict[str, int]:
+    """Objects that have a look of their own and its number: all, or of more than `most` those that use most."""
+    if len(subjects) <= most:
+        return {name: index for index, name in enumerate(subjects)}
+    uses: dict[str, float] = {}
+    for trace in traces:
+        uses[trace.subject] = max(float(np.max(trace.use)), uses.get(trace.subject, 0.0))
+    fullest = sorted(uses, key=lambda name: -uses[name])[:most]
+    return {name: index for index, name in enumerate(name for name in subjects if name in fullest)}
+
+
+def legend_of(looks: Mapping[str, int], count: int, names: Sequence[str] | None = None) -> list[Line2D]:
+    """Keys of the objects that have a look, and one of the others where there are any among `count` objects.
+
+    Args:
+        looks: of `looks_of`.
+        count: of all objects.
+        names: by which the objects are called; their own when left out.
+    """
+    keys = [line_key(plain(name), look) for name, look in zip(names or looks, looks.values(), strict=True)]
+    others = count - len(looks)
+    return [*keys, Line2D([], [], **_OTHERS, label=f"{others} others")] if others else keys
+
+
+def draw_use(axes: Axes, title: str, traces: tuple[Trace, ...], *, looks: Mapping[str, int]) -> None:
     """Lines of use of a limit, one per trace, with the limit at 1 and the largest use in the corner.
 
     Args:
         axes: of the panel.
         title: above it.
         traces: of one constraint.
-        looks: number of each line's look.
+        looks: number of each object's look; what has none is grey, behind the others.
     """
-    uses = [trace.use for trace in traces]
-    for trace, use, look in zip(traces, uses, looks, strict=True):
-        axes.plot(trace.t, np.minimum(use, 2 * HIGHEST_USE), **series_look(look))
-    peaks = [float(np.max(use)) for use in uses]
+    for trace in sorted(traces, key=lambda trace: trace.subject in looks):
+        own = looks.get(trace.subject)
+        look = _OTHERS if own is None else series_look(own)
+        axes.plot(trace.t, np.minimum(trace.use, 2 * HIGHEST_USE), **look)
+    peaks = [float(np.max(trace.use)) for trace in traces]
     largest = int(np.argmax(peaks))
     top = float(np.clip(1.08 * peaks[largest], 1.24, HIGHEST_USE))
     draw_limit(axes, 1.0, "limit 1", forbidden=top)

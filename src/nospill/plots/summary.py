@@ -13,7 +13,7 @@ from nospill.certification.wording import describe, full_model_note
 from nospill.core.short_names import cut_apart, short_names
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.plots.contact_use import draw_use
+from nospill.plots.contact_use import draw_use, legend_of, looks_of
 from nospill.plots.evidence import Evidence
 from nospill.plots.joints import draw_speeds
 from nospill.plots.limiting import draw_colour_key, draw_limiting
@@ -22,7 +22,6 @@ from nospill.plots.style import (
     BLUE,
     DARK_RED,
     legend_columns,
-    line_key,
     plain,
 )
 from nospill.plots.tiles import MOST_IN_A_ROW, carried, tiles
@@ -42,6 +41,8 @@ _SURVIVES_LETTERS, _SURVIVES_LINE = 340, 92
 """Of what the motion survives of its arm, and of a line of it, below the path."""
 _MOST_LIMITS = 7
 """Rows of the panel of limits."""
+_MOST_NAMED = 8
+"""Objects in the legend of the tightest limit, for which there is space."""
 
 
 def summary_figure(evidence: Evidence) -> Figure:
@@ -61,7 +62,7 @@ def summary_figure(evidence: Evidence) -> Figure:
     _draw_tightest(panels[0], evidence)
     draw_speeds(panels[1], evidence)
     joints = short_names(evidence.plan.scene.robot.joints)
-    _legend(panels[1], {name: index for index, name in enumerate(joints)})
+    _legend(panels[1], {name: index for index, name in enumerate(joints)}, len(joints))
     for axes in (limits, *panels):
         axes.set_xlabel("time [s]")
         axes.set_xlim(0.0, evidence.end_time)
@@ -124,16 +125,17 @@ def _draw_tightest(axes: Axes, evidence: Evidence) -> None:
         return
     nearest = max(by_constraint, key=lambda name: max(float(np.max(trace.use)) for trace in by_constraint[name]))
     name = SloshHeight.name if SloshHeight.name in by_constraint else nearest
-    traces, names = by_constraint[name], [cargo.name for cargo in evidence.plan.scene.cargo]
-    looks = {trace.subject: names.index(trace.subject) for trace in traces}
-    draw_use(axes, name, traces, looks=list(looks.values()))
-    _legend(axes, looks)
+    traces, shown = by_constraint[name], {trace.subject for trace in by_constraint[name]}
+    every = looks_of(traces, [cargo.name for cargo in evidence.plan.scene.cargo], _MOST_NAMED)
+    looks = {subject: look for subject, look in every.items() if subject in shown}
+    draw_use(axes, name, traces, looks=looks)
+    _legend(axes, looks, len(shown))
 
 
-def _legend(axes: Axes, looks: dict[str, int]) -> None:
-    """A legend of names and their looks above the panel and its title; there is space for the first twelve."""
+def _legend(axes: Axes, looks: dict[str, int], count: int) -> None:
+    """A legend of names and their looks above the panel and its title."""
     names = cut_apart(list(looks), 14 if len(looks) < 7 else 10)
-    handles = [line_key(plain(name), look) for name, look in zip(names, looks.values(), strict=True)][:12]
+    handles = legend_of(looks, count, names)
     axes.legend(
         handles=handles,
         loc="lower left",

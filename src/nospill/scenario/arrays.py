@@ -20,7 +20,7 @@ from nospill.scenario.sentences import refuse
 from nospill.scenario.tables import Given, Quantities, Table
 from nospill.scene.containers.base import Container
 
-MOST_OBJECTS = 100
+MOST_OBJECTS = 500
 """Objects that one tray may hold: every pair is compared, and each has its rows in the certificate."""
 
 _ROUNDING = 1e-9
