@@ -126,6 +126,19 @@ def test_points_of_the_page_open(tmp_path: Path, browser: Any) -> None:
     page.close()
 
 
+def test_a_page_of_500_points_has_every_row_and_marks_what_is_picked(tmp_path: Path, browser: Any) -> None:
+    """Its plot is there before its last row: rows follow sixty at a time."""
+    axes = {"tray.friction": {"from": 0.3, "to": 0.5, "count": 25}, "tray.mass": {"from": 1, "to": 2, "count": 20}}
+    write_sweep(defined(axes), tmp_path, scenario="matrix-rigid", figures=False)
+    page = browser.new_page()
+    page.goto((tmp_path / "index.html").as_uri())
+    assert page.locator("circle").count() == 500
+    page.wait_for_function("document.querySelectorAll('tbody tr').length === 500")
+    page.locator("tbody tr").nth(70).click()
+    assert page.locator(".chosen").evaluate_all("found => found.map(one => one.dataset.i)") == ["70", "70"]
+    page.close()
+
+
 @pytest.mark.parametrize(
     ("text", "words", "options"),
     [

@@ -19,6 +19,7 @@ _HEIGHT = 2.9
 _PANEL, _COLUMNS = 1.7, 2
 _MOST_TICKS = 8
 _MOST_PANELS = 8
+_TICKS_OF_PANEL = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +116,8 @@ def _panels(picture: SweepPicture) -> Figure:
     grid = figure.subplots(rows, _COLUMNS, sharey=True, squeeze=False).ravel()
     for axes, scale in zip(grid, shown, strict=False):
         _draw_over(axes, picture, scale, line=False)
+        if not scale.words:
+            axes.locator_params(axis="x", nbins=_TICKS_OF_PANEL)
     for spare in grid[len(shown) :]:
         spare.remove()
     return figure
@@ -132,7 +135,7 @@ def _draw_over(axes: Axes, picture: SweepPicture, scale: Scale, *, line: bool) -
         axes.plot(
             scale.places[lost], heights, "x", color=RED, transform=axes.get_xaxis_transform(), label="not certified"
         )
-        axes.legend(loc="best")
+        axes.legend(loc="upper right")  # the best place would be looked for among all points
     _mark_best(axes, picture, scale.places, goal.places)
     _name(axes, scale, goal)
 

@@ -54,15 +54,19 @@ function draw() {
   data.rows.forEach((row, i) => {
     if (across.at[i] === null) return;
     const lost = row[ending] !== "planned", high = up.at[i] === null ? 390 : y.of(up.at[i]);
-    const mark = (lost ? "lost " : "") + (i === chosen ? "chosen" : "");
-    const point = element("circle", {cx: x.of(across.at[i]), cy: high, r: 5, class: mark});
+    const look = (lost ? "lost " : "") + (i === chosen ? "chosen" : "");
+    const point = element("circle", {cx: x.of(across.at[i]), cy: high, r: 5, class: look, "data-i": i});
     point.append(element("title", {}, data.columns.slice(0, 6).map((c, k) => c + ": " + shown(row[k])).join("\\n")));
     point.addEventListener("click", () => choose(i));
     plot.append(point);
   });
 }
+function mark(i) {
+  for (const found of document.querySelectorAll(".chosen")) found.classList.remove("chosen");
+  for (const found of document.querySelectorAll(`[data-i="${i}"]`)) found.classList.add("chosen");
+}
 function choose(i) {
-  chosen = i;
+  chosen = i; mark(i);
   const one = document.getElementById("one");
   one.replaceChildren();
   if (i !== null) {
@@ -80,8 +84,9 @@ function choose(i) {
     command.textContent = data.open[i].command;
     one.append(command, list);
   }
-  draw(); table();
 }
+const AT_ONCE = 60;
+let later = 0;
 function table() {
   const place = document.getElementById("table");
   const head = document.createElement("thead"), top = document.createElement("tr");
@@ -97,8 +102,15 @@ function table() {
   });
   head.append(top);
   const body = document.createElement("tbody");
-  for (const i of order) {
+  place.replaceChildren(head, body);
+  clearTimeout(later);
+  rows(body, 0);
+}
+function rows(body, first) {
+  // so many at a time, so that the page is there before its last row
+  for (const i of order.slice(first, first + AT_ONCE)) {
     const row = document.createElement("tr");
+    row.dataset.i = i;
     row.className = (data.rows[i][ending] !== "planned" ? "lost " : "") + (i === chosen ? "chosen" : "");
     for (const value of data.rows[i]) {
       const cell = document.createElement("td");
@@ -109,7 +121,7 @@ function table() {
     row.addEventListener("click", () => choose(i));
     body.append(row);
   }
-  place.replaceChildren(head, body);
+  if (first + AT_ONCE < order.length) later = setTimeout(() => rows(body, first + AT_ONCE));
 }
 for (const [name, chosenColumn] of [["across", data.axes[0]], ["up", data.goal]]) {
   const select = document.getElementById(name);
@@ -119,5 +131,5 @@ for (const [name, chosenColumn] of [["across", data.axes[0]], ["up", data.goal]]
   });
   select.addEventListener("change", draw);
 }
-if (data.rows.length) choose(chosen);
+if (data.rows.length) { draw(); table(); choose(chosen); }
 """
