@@ -13,7 +13,7 @@ from nospill.errors import NoSolutionError, ScenarioError
 from nospill.planning.planner import plan
 from nospill.scenario import load
 from nospill.scenario.settings import stated_value
-from nospill.sweeps import trials
+from nospill.sweeps import varied
 from nospill.sweeps.bounds import Bound, largest
 from tests.cli.commands import nospill
 
@@ -43,7 +43,7 @@ def search(monkeypatch: pytest.MonkeyPatch, within: float, **options: Any) -> Bo
     law = type(
         "OfTest", (Law,), {key: options.pop(key) for key in ("power", "steepest", "warm_excess") if key in options}
     )
-    monkeypatch.setattr(trials, "Planner", law)
+    monkeypatch.setattr(varied, "Planner", law)
     return largest("matrix-rigid", "tray.friction", within, **options)
 
 
@@ -116,7 +116,7 @@ def test_values_are_found_by_name_number_and_for_all() -> None:
 
 
 def test_command_prints_the_trade_off_and_the_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(trials, "Planner", Law)
+    monkeypatch.setattr(varied, "Planner", Law)
     result = nospill(
         "largest", "tray.friction", "matrix-rigid", "--least", "--within", "1.5 s", "--between", "0.3", "0.5"
     )

@@ -1,4 +1,4 @@
-"""largest: how far one number of a scenario may go for a motion that is fast enough."""
+"""largest: how far one number of a scenario may go for a motion, or a cycle, that is fast enough."""
 
 from __future__ import annotations
 
@@ -48,17 +48,18 @@ def largest(
         typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
     ] = None,
 ) -> int:
-    """Find the largest value of a number whose motion is certified and takes at most so long."""
+    """Find the largest value of a number whose motion or cycle is certified and takes at most so long."""
     with ProgressLine() as progress:
         from nospill.core.files import require_replaceable
-        from nospill.plans.names import is_plan_folder
-        from nospill.scenario import read_scenario
+        from nospill.plans.cycle import CyclePlan
+        from nospill.plans.names import holds_a_plan
         from nospill.sweeps.bounds import largest
+        from nospill.sweeps.varied import varied
 
         if output is not None:
-            require_replaceable(output, replaceable=is_plan_folder)
+            require_replaceable(output, replaceable=holds_a_plan)
         found = largest(
-            read_scenario(scenario, settings=settings or ()),
+            varied(scenario, settings=settings or ()),
             key,
             within,
             least=least,
@@ -70,7 +71,8 @@ def largest(
             found.plan.with_second_looks().save(output)
     _print(found)
     if output is not None:
-        print_lines(f"written to {output}", f"look: nospill view {output}")
+        command = "check" if isinstance(found.plan, CyclePlan) else "view"
+        print_lines(f"written to {output}", f"look: nospill {command} {output}")
     print_verdict(found.text, ok=True)
     return 0
 

@@ -29,6 +29,7 @@ _CURE = 'Its liquids swing on from the leg before: give that one a longer dwell,
 def plan_cycle(
     cycle: Cycle | ScenarioSource,
     *,
+    warm: CyclePlan | None = None,
     progress: OnProgress | None = None,
     said: Callable[[str], None] | None = None,
 ) -> CyclePlan:
@@ -36,6 +37,7 @@ def plan_cycle(
 
     Args:
         cycle: the task, or what `load_cycle` takes.
+        warm: the plan of a similar cycle; each leg starts from the one of the same name, instead of searching.
         progress: called with where planning stands, leg by leg.
         said: called with the name of a leg before it is planned.
 
@@ -49,27 +51,44 @@ def plan_cycle(
     """
     task = cycle if isinstance(cycle, Cycle) else load_cycle(cycle)
     plans: list[Plan] = []
+    earlier = {} if warm is None else {leg.name: own for leg, own in zip(warm.cycle.legs, warm.legs, strict=True)}
     for index, leg in enumerate(task.legs):
         if said is not None:
             said(leg.name)
         first = plans[0] if index == len(task.legs) - 1 else None
         if plans and task.legs[index - 1].dwell is None:
-            plans[-1:] = _after_shortest_dwell(leg, plans[-1], first, progress)
+            plans[-1:] = _after_shortest_dwell(leg, plans[-1], first, earlier.get(leg.name), progress)
         else:
-            plans.append(_planned(leg, plans[-1] if plans else None, first, progress))
+            before = plans[-1] if plans else None
+            plans.append(_planned(leg, before, first, earlier.get(leg.name), progress))
     if task.legs[-1].dwell is None:  # what comes next begins with fresh liquids
         plans[-1] = _dwelling(plans[-1], _until_settled(plans[-1], task.legs[-1]))
     dwells = [one.scene.motion.hold_after for one in plans]
     return planned_cycle(with_dwells(task, dwells), plans)
 
 
-def _planned(leg: CycleLeg, before: Plan | None, first: Plan | None, progress: OnProgress | None) -> Plan:
+class CyclePlanner:
+    """Plans cycle after cycle, each leg from the one of the same name in the cycle before."""
+
+    def __init__(self, last: CyclePlan | None = None) -> None:
+        """Start with nothing, or with an earlier plan."""
+        self.last = last
+
+    def plan(self, cycle: Cycle | ScenarioSource) -> CyclePlan:
+        """`plan_cycle(cycle)`, warm from the last plan; raises the same."""
+        self.last = plan_cycle(cycle, warm=self.last)
+        return self.last
+
+
+def _planned(
+    leg: CycleLeg, before: Plan | None, first: Plan | None, warm: Plan | None, progress: OnProgress | None
+) -> Plan:
     """The plan of a leg after another one; `first` is that of the first leg, where this is the last."""
     swings = False
     try:
         scene = leg.scene if before is None else with_residual_slosh(leg.scene, before)
         swings = any(item.filling is not None and item.filling.initial_swing is not None for item in scene.cargo)
-        return plan(scene if first is None else _back_to(first, scene), progress=progress)
+        return plan(scene if first is None else _back_to(first, scene), warm=warm, progress=progress)
     except (ScenarioError, NoSolutionError) as error:
         helps = f" {_CURE}" if swings and isinstance(error, NoSolutionError) else ""
         raise type(error)(f'leg "{leg.name}": {error}{helps}', error.reason) from error
@@ -82,13 +101,15 @@ def _back_to(first: Plan, scene: Scene) -> Scene:
     return scene.changed({"path.goal": {"joints": first.trajectory.joint_position[0].tolist()}})
 
 
-def _after_shortest_dwell(leg: CycleLeg, before: Plan, first: Plan | None, progress: OnProgress | None) -> list[Plan]:
+def _after_shortest_dwell(
+    leg: CycleLeg, before: Plan, first: Plan | None, warm: Plan | None, progress: OnProgress | None
+) -> list[Plan]:
     """The plan before with the shortest dwell that a leg bears, and the plan of the leg."""
     step = _quarter_period(before.scene)
     for number in range(_MOST_DWELLS + 1):
         waiting = _dwelling(before, number * step)
         try:
-            found = _planned(leg, waiting, first, progress)
+            found = _planned(leg, waiting, first, warm, progress)
         except NoSolutionError:
             if number == _MOST_DWELLS or step == 0.0:
                 raise

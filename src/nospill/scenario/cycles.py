@@ -21,6 +21,7 @@ from nospill.scenario.loading import ScenarioSource, table_of
 from nospill.scenario.messages import entry_place
 from nospill.scenario.scenes import scene_from_table
 from nospill.scenario.sentences import details_of, key_path, report, sentence
+from nospill.scenario.settings import changed_table
 from nospill.scenario.tables import plain
 from nospill.scene.cycle import Cycle, CycleLeg
 from nospill.scene.scene import Scene
@@ -120,6 +121,15 @@ def cycle_from_table(table: Mapping[str, Any], *, name: str, folder: Path = Path
             ],
         )
     return Cycle(own, tuple(made), _text(table, own, legs, made, known))
+
+
+def changed_cycle(cycle: Cycle, changes: Mapping[str, object]) -> Cycle:
+    """The cycle with other values, by dotted keys as in `changed_table`; raises ScenarioError."""
+    try:
+        table = changed_table(tomllib.loads(cycle.text), {place: plain(value) for place, value in changes.items()})
+    except ScenarioError as error:
+        raise ScenarioError(f"{cycle.name}: {error}") from None
+    return cycle_from_table(table, name=cycle.name, label=cycle.name)
 
 
 def with_dwells(cycle: Cycle, dwells: Sequence[float]) -> Cycle:
@@ -232,6 +242,12 @@ def _closed(path: dict[str, Any], before: Sequence[CycleLeg], *, last: bool, whe
     return path
 
 
+def _as_stated(stated: Mapping[str, Any], closed: Mapping[str, Any]) -> dict[str, Any]:
+    """A path as it was read in, without the ends that were left out: they follow where another leg is changed."""
+    filled = {*_ENDS.get(str(closed.get("type")), ()), "yaw"}
+    return {key: value for key, value in closed.items() if key in stated or key not in filled}
+
+
 def _require_same_place(before: CycleLeg, name: str, scene: Scene, where: str) -> None:
     """Refuse a leg that begins elsewhere than the one before it ends."""
     ends, begins = before.scene.path.at([1.0])[0], scene.path.at([0.0])[0]
@@ -263,7 +279,7 @@ def _text(
         **({"obstacle": sources[0]["obstacle"]} if "obstacle" in sources[0] else {}),
         "cargo": [entries.get(key, known[key]) for key in single],
         "leg": [
-            {**plain(entry.model_dump(exclude_unset=True)), "path": source["path"]}
+            {**plain(entry.model_dump(exclude_unset=True)), "path": _as_stated(entry.path, source["path"])}
             for entry, source in zip(legs, sources, strict=True)
         ],
     }

@@ -22,8 +22,8 @@ from nospill.scenario.tables import plain
 from nospill.scene.scene import Scene
 
 _A_CYCLE = (
-    "has [[leg]] tables: it is a cycle, for nospill plan, nospill check and ns.load_cycle; elsewhere name the folder "
-    "of one of its legs once it is planned"
+    "has [[leg]] tables: it is a cycle, for nospill plan, check, sweep and largest and for ns.load_cycle; elsewhere "
+    "name the folder of one of its legs once it is planned"
 )
 
 

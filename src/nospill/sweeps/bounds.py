@@ -16,11 +16,11 @@ import numpy as np
 
 from nospill.core.units import as_written, quantity, split_unit
 from nospill.errors import ScenarioError
+from nospill.plans.cycle import CyclePlan
 from nospill.plans.plan import Plan
-from nospill.scenario.loading import ScenarioSource, load
 from nospill.scenario.settings import stated_value
-from nospill.scene.scene import Scene
 from nospill.sweeps.trials import OnTrial, Trials, Tried
+from nospill.sweeps.varied import Source, Varied, varied
 
 USUAL_PRECISION = 0.01
 """Part of the value to which it is found."""
@@ -50,7 +50,7 @@ class Bound:
     least: bool
     within: float
     value: Any
-    plan: Plan
+    plan: Plan | CyclePlan
     beyond: Tried | None
     tried: tuple[Tried, ...]
     unit: str
@@ -80,7 +80,7 @@ class Bound:
 
 
 def largest(
-    scene: Scene | ScenarioSource,
+    scene: Source,
     key: str,
     within: float | str,
     *,
@@ -92,7 +92,7 @@ def largest(
     """Find how far a number of a scenario may go with a motion that takes at most so long.
 
     Args:
-        scene: a scene, or what `load` takes.
+        scene: a scene or a cycle, or what `load` or `load_cycle` takes; of a cycle the whole must be fast enough.
         key: dotted key of a number, as "cargo.c1.liquid_height"; "cargo.*.max_slosh_height" is that of all objects.
         within: longest duration, s or text with a unit.
         least: find the least value instead, as of a friction or of a residual height.
@@ -104,7 +104,7 @@ def largest(
         ScenarioError: the key is unknown or none of a number, or the time is none.
         NoSolutionError: no value was found that does; names the fastest.
     """
-    base = scene.require_as_read() if isinstance(scene, Scene) else load(scene)
+    base = varied(scene)
     try:
         seconds = quantity(within, "time")
     except ScenarioError as error:
@@ -113,7 +113,7 @@ def largest(
         raise ScenarioError(f'within {as_written(within)} is no time for a motion; give one above 0, as "1.2 s"')
     if not 1e-4 <= precision < 1.0:
         raise ScenarioError(f"precision {precision:g} is out of range; it must be from 0.0001 to below 1")
-    ends = [stated_value(base.source, key)] if between is None else list(between)
+    ends = [stated_value(base.table, key)] if between is None else list(between)
     numbers, unit, like = _numbers(key, ends)
     _require_one(base, key, ends)
     if between is None and numbers[0] <= 0.0:
@@ -144,7 +144,7 @@ def _numbers(key: str, values: list[Any]) -> tuple[list[float], str, Any]:
     return [number for number, _ in found], found[0][1], values[0]
 
 
-def _require_one(base: Scene, key: str, values: list[Any]) -> None:
+def _require_one(base: Varied, key: str, values: list[Any]) -> None:
     """Raise ScenarioError where the scenario takes none of the values: an unknown key, for one."""
     refused = None
     for value in values:

@@ -14,13 +14,11 @@ from nospill.core.files import UnreadableError, bounded_text
 from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, quantity
 from nospill.errors import ScenarioError
-from nospill.scenario import load
-from nospill.scenario.loading import ScenarioSource
-from nospill.scene.scene import Scene
 from nospill.sweeps.axes import Axis, Changes, axes_of, grid, latin_hypercube
 from nospill.sweeps.columns import Column, columns_of
-from nospill.sweeps.points import FIGURES, Point, point_of
+from nospill.sweeps.points import Point, point_of
 from nospill.sweeps.processes import Limits
+from nospill.sweeps.varied import Source, Varied, require_no_own_limits, varied
 
 LEAST, GREATEST = "least", "greatest"
 USUAL_GOAL = {"duration_s": LEAST}
@@ -40,7 +38,7 @@ class SweepDefinition:
     """A sweep, checked.
 
     Attributes:
-        base: the scenario that is varied.
+        base: the scenario that is varied, of a motion or of a cycle.
         axes: what is varied.
         points: what is planned, in the order of the axes.
         columns: derived ones.
@@ -52,7 +50,7 @@ class SweepDefinition:
         scenario_name: by which a command finds the base scenario.
     """
 
-    base: Scene
+    base: Varied
     axes: tuple[Axis, ...]
     points: tuple[Point, ...]
     columns: tuple[Column, ...] = ()
@@ -76,7 +74,7 @@ class SweepDefinition:
 
 
 def define_sweep(
-    base: Scene | ScenarioSource,
+    base: Source,
     axes: Mapping[Any, Any],
     *,
     columns: Mapping[str, str] | None = None,
@@ -92,27 +90,22 @@ def define_sweep(
     Raises:
         ScenarioError: one line that names what is wrong.
     """
-    scene = base.require_as_read() if isinstance(base, Scene) else load(base)
-    given = [item.name for item in (*scene.constraints, *scene.unjudged)]
-    if given:
-        raise ScenarioError(
-            f'{scene.name}: the constraint "{given[0]}" is given from Python, and a sweep plans in other processes, '
-            "which do not have its class; loop over scene.changed(...) with ns.Planner(constraints=[...]) instead"
-        )
+    scenario = varied(base)
+    require_no_own_limits(scenario)
     if not isinstance(axes, Mapping) or not axes:
         raise ScenarioError('axes: there is none; give {"tray.friction": [0.3, 0.4, 0.5]}')
     parsed = axes_of(axes)
     _require_whole(seed, "seed", 0)
     _require_whole(again_cold, "again_cold", 0)
     values = grid(parsed) if samples is None else latin_hypercube(parsed, samples, seed)
-    _require_known_keys(scene, parsed, values[0])
-    text = scene.text()
+    _require_known_keys(scenario, parsed, values[0])
+    text = scenario.text()
     points = tuple({point.key: point for point in (point_of(text, one) for one in values)}.values())
-    plain = SweepDefinition(scene, parsed, points)
-    known = {*FIGURES, *plain.short_names.values()}
+    plain = SweepDefinition(scenario, parsed, points)
+    known = {*scenario.figures, *plain.short_names.values()}
     derived = columns_of({} if columns is None else columns, known)
     return SweepDefinition(
-        scene,
+        scenario,
         parsed,
         points,
         derived,
@@ -121,7 +114,7 @@ def define_sweep(
         again_cold,
         samples,
         seed,
-        os.fspath(base) if isinstance(base, str | os.PathLike) else scene.name,
+        os.fspath(base) if isinstance(base, str | os.PathLike) else scenario.name,
     )
 
 
@@ -184,7 +177,7 @@ def _axes(entries: list[dict[str, Any]]) -> dict[Any, Any]:
     return axes
 
 
-def _require_known_keys(scene: Scene, axes: tuple[Axis, ...], first: Changes) -> None:
+def _require_known_keys(base: Varied, axes: tuple[Axis, ...], first: Changes) -> None:
     """Refuse a key that the scenario has not, before anything is planned.
 
     A value that does not fit is a point with a reason; a key is refused where none of its values fits, neither alone
@@ -195,7 +188,7 @@ def _require_known_keys(scene: Scene, axes: tuple[Axis, ...], first: Changes) ->
         refusal: ScenarioError | None = None
         for changes in (*(axis.changes(value) for value in values), first):
             try:
-                scene.changed(changes)
+                base.changed(changes)
                 break
             except ScenarioError as error:
                 refusal = refusal or error

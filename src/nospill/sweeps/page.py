@@ -15,8 +15,11 @@ from nospill.sweeps.page_parts import SCRIPT, STYLE
 from nospill.sweeps.points import Line
 from nospill.sweeps.record import Sweep
 from nospill.sweeps.run import PLANS_FOLDER
+from nospill.sweeps.varied import VariedCycle, VariedMotion
 
 _HIDDEN = ("key",)
+_LOOK = {VariedMotion: "view", VariedCycle: "check"}
+"""Command for the folder of a plan."""
 
 
 def sweep_page(sweep: Sweep, folder: Path, *, scenario: str, figures: Sequence[str]) -> str:
@@ -35,7 +38,7 @@ def sweep_page(sweep: Sweep, folder: Path, *, scenario: str, figures: Sequence[s
         "rows": [[row[name] for name in columns] for row in rows],
         "axes": [axis.keys[0] for axis in sweep.definition.axes],
         "goal": sweep.definition.goals[0][0],
-        "open": [_opening(line, folder, scenario) for line in sweep.lines],
+        "open": [_opening(line, folder, scenario, _LOOK[type(sweep.definition.base)]) for line in sweep.lines],
         "best": None if sweep.best is None else sweep.lines.index(sweep.best),
     }
     title = f"{sweep.definition.base.name}: {sweep.headline}"
@@ -61,11 +64,11 @@ def sweep_page(sweep: Sweep, folder: Path, *, scenario: str, figures: Sequence[s
     )
 
 
-def _opening(line: Line, folder: Path, scenario: str) -> dict[str, str | None]:
+def _opening(line: Line, folder: Path, scenario: str, look: str) -> dict[str, str | None]:
     """Where the plan of a point is, and the command that shows or makes it."""
     kept = folder / PLANS_FOLDER / line.key
     if kept.is_dir():
-        return {"link": f"{PLANS_FOLDER}/{line.key}/", "command": f"nospill view {shlex.quote(str(kept))}"}
+        return {"link": f"{PLANS_FOLDER}/{line.key}/", "command": f"nospill {look} {shlex.quote(str(kept))}"}
     settings = " ".join(f"--set {shlex.quote(f'{key}={_toml(value)}')}" for key, value in line.values.items())
     return {"link": None, "command": f"nospill plan {shlex.quote(scenario)} {settings} -o {line.key}"}
 

@@ -17,19 +17,18 @@ import sys
 import tempfile
 import threading
 import time
-import tomllib
 import zipfile
 from pathlib import Path
 from typing import Any
 
 from nospill import __version__
-from nospill.certification.wording import describe
 from nospill.errors import NoSolutionError, NospillError
+from nospill.planning.cycles import CyclePlanner
 from nospill.planning.planner import Planner
+from nospill.plans.cycle import CyclePlan
 from nospill.plans.plan import Plan
-from nospill.scenario import scene_from_table
-from nospill.scene.scene import Scene
 from nospill.sweeps.points import NO_MOTION, PLANNED, REFUSED, UNCERTIFIED
+from nospill.sweeps.varied import figures_of, finding, nearest, planned, varied_from_text
 
 
 class PointPlanner:
@@ -37,8 +36,8 @@ class PointPlanner:
 
     def __init__(self, text: str, name: str) -> None:
         """Of the text of the base scenario, which needs no other file; raises ScenarioError."""
-        self._base = scene_from_table(tomllib.loads(text), name=name)
-        self._head: tuple[str, Planner | None] = ("", None)
+        self._base = varied_from_text(text, name)
+        self._head: tuple[str, Planner | CyclePlanner | None] = ("", None)
 
     def line(self, values: dict[str, Any], *, key: str, warm: dict[str, Any] | None, keep: bool) -> dict[str, Any]:
         """What becomes of a point, as fields of its line.
@@ -52,16 +51,16 @@ class PointPlanner:
         began = time.perf_counter()
         found: dict[str, Any] = {"warm_from": ""}
         try:
-            scene = self._base.changed(values)
+            variant = self._base.changed(values)
             planner = None if warm is None else self._planner_at(warm["key"], warm["values"])
             if planner is None:
-                planner = Planner()
-                plan = planner.plan(scene)
+                planner = self._base.planner()
+                plan = planned(planner, variant)
                 self._head = (key, planner)
             else:
                 found["warm_from"] = warm["key"] if warm is not None else ""
-                plan = copy.copy(planner).plan(scene)  # the copy moves on, the one at the head stays there
-            found |= figures_of(plan)
+                plan = planned(copy.copy(planner), variant)  # the copy moves on, the one at the head stays there
+            found |= outcome_of(plan)
             if keep:
                 found["folder"] = packed(plan)
         except NoSolutionError as error:
@@ -70,12 +69,12 @@ class PointPlanner:
             found |= {"ending": REFUSED, "reason": one_line(error)}
         return found | {"plan_s": time.perf_counter() - began, "nospill": __version__}
 
-    def _planner_at(self, key: str, values: dict[str, Any]) -> Planner | None:
+    def _planner_at(self, key: str, values: dict[str, Any]) -> Planner | CyclePlanner | None:
         """The planner that has just planned a point; None where it has no motion."""
         if self._head[0] != key:
-            planner = Planner()
+            planner = self._base.planner()
             try:
-                planner.plan(self._base.changed(values))
+                planned(planner, self._base.changed(values))
             except NospillError:
                 self._head = (key, None)
             else:
@@ -83,27 +82,18 @@ class PointPlanner:
         return self._head[1]
 
 
-def figures_of(plan: Plan) -> dict[str, Any]:
+def outcome_of(plan: Plan | CyclePlan) -> dict[str, Any]:
     """Fields of a line that a plan answers."""
-    worst, maxima = plan.certificate.worst, plan.maxima
-    figures = {
-        "duration_s": plan.duration,
-        "largest_use": worst.use,
-        "max_tray_acceleration_m_s2": maxima.tray_acceleration,
-        "max_tilt_rad": maxima.tilt,
-        "joint_speed_use": maxima.joint_speed_use,
-        "max_slosh_height_m": max(maxima.slosh_height.values(), default=0.0),
-        "residual_height_m": max(maxima.residual_height.values(), default=0.0),
-    }
+    ok = plan.certificate.ok
     return {
-        "ending": PLANNED if plan.certificate.ok else UNCERTIFIED,
-        "reason": "" if plan.certificate.ok else describe(worst),
-        "nearest": f"{worst.constraint} of {worst.subject}",
-        "figures": {name: float(value) for name, value in figures.items()},
+        "ending": PLANNED if ok else UNCERTIFIED,
+        "reason": "" if ok else finding(plan),
+        "nearest": nearest(plan),
+        "figures": figures_of(plan),
     }
 
 
-def packed(plan: Plan) -> str:
+def packed(plan: Plan | CyclePlan) -> str:
     """The plan folder as a ZIP archive in base 64."""
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "plan"
@@ -118,11 +108,6 @@ def packed(plan: Plan) -> str:
 def one_line(error: Exception) -> str:
     """The message of an error on one line."""
     return " ".join(str(error).split())
-
-
-def scene_of(text: str, name: str, values: dict[str, Any]) -> Scene:
-    """The scene of a point; raises ScenarioError."""
-    return scene_from_table(tomllib.loads(text), name=name).changed(values)
 
 
 def main() -> None:

@@ -18,17 +18,6 @@ OUT_OF_TIME, OUT_OF_MEMORY, CRASH = "out of time", "out of memory", "crash"
 OF_THE_MACHINE = frozenset({OUT_OF_TIME, OUT_OF_MEMORY, CRASH})
 """How a point may end that says something about where it was planned, and not about the scenario."""
 
-FIGURES = (
-    "duration_s",
-    "largest_use",
-    "max_tray_acceleration_m_s2",
-    "max_tilt_rad",
-    "joint_speed_use",
-    "max_slosh_height_m",
-    "residual_height_m",
-)
-"""Names of the numbers that a motion has in its line."""
-
 GROUP = 8
 """Neighbours planned warm from one of them: more make the first one's search cheaper, and lie farther from it."""
 

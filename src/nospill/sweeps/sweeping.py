@@ -7,15 +7,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from nospill.scenario.loading import ScenarioSource
-from nospill.scene.scene import Scene
 from nospill.sweeps.definition import USUAL_AGAIN, USUAL_MEMORY, USUAL_TIME, define_sweep
 from nospill.sweeps.record import Sweep
 from nospill.sweeps.run import OnProgress, run_sweep
+from nospill.sweeps.varied import Source
 
 
 def sweep(
-    base: Scene | ScenarioSource,
+    base: Source,
     axes: Mapping[Any, Any],
     *,
     columns: Mapping[str, str] | None = None,
@@ -35,7 +34,7 @@ def sweep(
     """Plan and certify variants of a scenario.
 
     Args:
-        base: a scene, or what `load` takes.
+        base: a scene or a cycle, or what `load` or `load_cycle` takes.
         axes: dotted key of the scenario -> list of values, or {"from": "20 mm", "to": "60 mm", "count": 9} (or step).
             A tuple of keys, which change together, -> list with one value for each. All combinations are planned.
         columns: name -> arithmetic on other columns and on the axes' last words, SI, as "3600 / duration_s".

@@ -8,12 +8,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from nospill.certification.wording import describe
 from nospill.core.units import format_quantity
 from nospill.errors import NoSolutionError, NospillError
+from nospill.planning.cycles import CyclePlanner
 from nospill.planning.planner import Planner
+from nospill.plans.cycle import CyclePlan
 from nospill.plans.plan import Plan
-from nospill.scene.scene import Scene
+from nospill.sweeps.varied import Varied, finding, planned
 
 _STEPS, _GROWTH = (1, 2, 4, 8, 16), 1.15
 """Powers of a factor by which the value of the scenario is changed until the bound lies between: 1.15 to 9.4."""
@@ -55,18 +56,18 @@ OnTrial = Callable[[Tried], object]
 class Trials:
     """Values that are planned one after the other, each once."""
 
-    def __init__(self, base: Scene, key: str, within: float, unit: str | None, progress: OnTrial | None) -> None:
+    def __init__(self, base: Varied, key: str, within: float, unit: str | None, progress: OnTrial | None) -> None:
         self._base, self._key, self._within, self._unit, self._progress = base, key, within, unit, progress
         self._found: dict[float, Tried] = {}
-        self._plans: dict[float, Plan] = {}
-        self._near: Planner | None = None
+        self._plans: dict[float, Plan | CyclePlan] = {}
+        self._near: Planner | CyclePlanner | None = None
 
     @property
     def tried(self) -> tuple[Tried, ...]:
         """In the order of the values."""
         return tuple(sorted(self._found.values(), key=lambda item: item.number))
 
-    def plan_of(self, trial: Tried) -> Plan:
+    def plan_of(self, trial: Tried) -> Plan | CyclePlan:
         """The motion of a value that does."""
         return self._plans[trial.number]
 
@@ -86,13 +87,13 @@ class Trials:
         return found
 
     def _outcome(self, number: float, value: Any, cold: bool) -> tuple[float | None, str]:
-        planner = Planner() if cold or self._near is None else copy.copy(self._near)
+        planner = self._base.planner() if cold or self._near is None else copy.copy(self._near)
         try:
-            plan = planner.plan(self._base.changed({self._key: value}))
+            plan = planned(planner, self._base.changed({self._key: value}))
         except NospillError as error:
             return None, " ".join(str(error).split())
         if not plan.certificate.ok:
-            return plan.duration, describe(plan.certificate.worst)
+            return plan.duration, finding(plan)
         if not self._plans:
             self._near = planner  # none does yet: the value before is nearer than nothing
         if plan.duration > self._within * (1.0 + 1e-9):
