@@ -92,7 +92,22 @@ def require_known_state(scene: Scene) -> None:
     """Refuse a motion whose record does not say in which state the tray is at an instant of it.
 
     Raises:
-        ScenarioError: the joints follow a controller late or may be late, or the tray may leave its path.
+        ScenarioError: as `require_known_joints`, or the tray may leave its path.
+    """
+    require_known_joints(scene)
+    if scene.motion.leaves_path:
+        raise ScenarioError(
+            f"{scene.name}: the tray may leave its path or turn on it, and a motion from the midst of the plan keeps "
+            "to its path; plan along a given path (not a free one), without corridor and with a given yaw. Stops along "
+            "its own way are found all the same: nospill stops DIR"
+        )
+
+
+def require_known_joints(scene: Scene) -> None:
+    """Refuse a motion whose record does not say how the joints move at an instant of it.
+
+    Raises:
+        ScenarioError: they follow a controller late, or may be late.
     """
     if scene.controller is not None and scene.controller.is_late:
         raise ScenarioError(
@@ -103,11 +118,6 @@ def require_known_state(scene: Scene) -> None:
         raise ScenarioError(
             f"{scene.name}: tolerance.tracking leaves open how late the joints are; a motion from the midst of the "
             "plan is known only without it"
-        )
-    if scene.motion.leaves_path:
-        raise ScenarioError(
-            f"{scene.name}: the tray may leave its path or turn on it, and a motion from the midst of the plan keeps "
-            "to its path; plan along a given path (not a free one), without corridor and with a given yaw"
         )
 
 

@@ -12,7 +12,7 @@ what they do to their cups is judged for a while after the end too.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -21,7 +21,6 @@ from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.tracks import judged_tracks
 from nospill.certification.wording import describe
 from nospill.errors import ModelError, NoSolutionError
-from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.motion.trajectory import Trajectory
@@ -35,6 +34,7 @@ from nospill.plans.stops import NO_BOUND, Stop
 from nospill.robots.joint_paths.search import JointPath, path_through
 from nospill.scene.scene import Scene
 from nospill.stopping.bounds import bound_of
+from nospill.stopping.tightening import broken, faded, labels, tightened
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.margins_along import Margin
 from nospill.transcription.solvers import solve
@@ -47,14 +47,11 @@ INTERVALS = 25
 """Of the grid; where liquids are in the problem with several modes, which are faster."""
 _PARTS = (0.5, 0.3, 0.75)
 """Of what is left of the plan: durations of the smooth motions from which a stop is looked for from afar."""
-_TIGHTENED, _MORE = 6, 0.005
-"""How often back-off is raised, and by how much beyond what the judge found."""
-_MOST_BACKOFF = 0.9
+_TIGHTENED = 16
+"""How often back-off and margins are raised; what is nearly certified is solved again in a few steps."""
 _OF_SUM = 0.3
 """First back-off of a residual height of several modes: the judge sums them, the optimiser adds their squares."""
-_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 60, 120, 30.0
-_EARLY, _AT_START = 0.12, np.array([1.0, 1.0, 0.0])
-"""Part of a stop up to which a row that breaks is tightened there alone, and how that fades."""
+_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 80, 150, 30.0
 _SWINGS_ON = 1.0
 """s after the end, over which every limit is judged: three swings of a liquid of 35 mm, and the highest are first."""
 _LEVEL = 1e-4
@@ -70,6 +67,7 @@ class Found:
     stop: Stop
     solution: Solution
     backoff: dict[RowId, float] = field(repr=False)
+    margins: dict[RowId, Margin] = field(repr=False)
 
 
 def stop_from(
@@ -174,7 +172,7 @@ def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | 
     active = replace(_first(task, state), expected=max(start.duration, 0.1))
     warm = None
     if before is not None:
-        active = active.with_backoff(before.backoff)
+        active = replace(active.with_backoff(before.backoff), margins=faded(before.margins))
         warm = before.solution
     for _ in range(_TIGHTENED):
         options = SolveOptions(
@@ -193,7 +191,7 @@ def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | 
             return None
         record, judgement = judged
         certified = judgement.certificate.ok
-        over = _over_after(active, scene, record) if certified else _over(active, judgement)
+        over = _over_after(active, scene, record) if certified else broken(active, judgement)
         if certified and not over and np.max(np.abs(record.tilt[-1])) <= _LEVEL:
             stop = Stop(
                 t=state.t,
@@ -206,11 +204,11 @@ def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | 
                 seconds=0.0,
                 bound=NO_BOUND,
             )
-            return Found(stop, solution, dict(active.backoff))
-        tightened = _tightened(active, over)
-        if tightened is active:
+            return Found(stop, solution, dict(active.backoff), dict(active.margins))
+        tighter = tightened(active, over, judgement)
+        if tighter is active:
             return None
-        active, start, warm = tightened, solution.stages, solution
+        active, start, warm = tighter, solution.stages, solution
     return None
 
 
@@ -232,16 +230,6 @@ def judged_stop(record: Trajectory, scene: Scene) -> tuple[Trajectory, Judgement
     return replace(record, slosh=judged_tracks(record, scene, judgement.replay, judgement.traces)), judgement
 
 
-def _over(active: ActiveSet, judgement: Judgement) -> dict[RowId, tuple[float, float]]:
-    """Use of the limits that a stop breaks and the part of its duration where it does, by the rows of the problem."""
-    return {
-        RowId(row.constraint, label): (row.use, row.at_s / judgement.end_time)
-        for row in judgement.certificate.rows
-        if not row.ok and row.constraint in BY_NAME
-        for label in _labels(active, row.subject)
-    }
-
-
 def _over_after(active: ActiveSet, scene: Scene, record: Trajectory) -> dict[RowId, tuple[float, float]]:
     """Use of the limits that break while liquids swing on after a stop, by the rows on how far these do."""
     known = {row.subject for row in active.possible if row.constraint == ResidualHeight.name}
@@ -252,31 +240,7 @@ def _over_after(active: ActiveSet, scene: Scene, record: Trajectory) -> dict[Row
     for row in judge_motion(record, swinging).certificate.rows:
         if not row.ok:
             # a rack feels the liquids of all its vials
-            for label in known.intersection(_labels(active, row.subject)) or known:
+            for label in known.intersection(labels(active, row.subject)) or known:
                 key = RowId(ResidualHeight.name, label)
                 over[key] = max((row.use, 1.0), over.get(key, (0.0, 1.0)))
     return over
-
-
-def _labels(active: ActiveSet, subject: str) -> list[str]:
-    """What a subject of the certificate is called in the problem, each of its variants."""
-    return [label for (name, _), label in active.names.items() if name == subject] or [subject]
-
-
-def _tightened(active: ActiveSet, over: Mapping[RowId, tuple[float, float]]) -> ActiveSet:
-    """The set with more back-off of rows by the use of their limits; itself where none of them is in the problem.
-
-    What breaks right after the beginning keeps more there alone: the motion before may stand on its limits, and with
-    more back-off everywhere none may lead on from there.
-    """
-    backoff, margins = dict(active.backoff), dict(active.margins)
-    known = over.keys() & backoff.keys()
-    for key in known:
-        use, share = over[key]
-        more = 1.0 - (1.0 - backoff[key]) / use + _MORE
-        if share <= _EARLY:
-            kept = margins[key].kept[0] if key in margins else 0.0
-            margins[key] = Margin(np.array([0.0, _EARLY, 1.5 * _EARLY]), (kept + use - 1.0 + _MORE / 2) * _AT_START)
-        else:
-            backoff[key] = min(max(backoff[key] + _MORE, more), _MOST_BACKOFF)
-    return replace(active, backoff=backoff, margins=margins) if known else active

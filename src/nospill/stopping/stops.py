@@ -14,11 +14,12 @@ from nospill.core.files import atomic_folder, atomic_text
 from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
 from nospill.plans.plan import Plan
-from nospill.plans.state import require_known_state, states_of
+from nospill.plans.state import require_known_joints, states_of
 from nospill.plans.stops import Stop, Stops, file_of
 from nospill.robots.robot import Robot
 from nospill.stopping.controller import braked, slowed_to_rest
 from nospill.stopping.later import sooner_by_waiting
+from nospill.stopping.own_way import along_own_way
 from nospill.stopping.solving import Found, joint_path_of, stop_from
 
 EVERY = 0.02
@@ -46,7 +47,7 @@ def stops(
     slowing: float = SLOWING,
     progress: OnStop | None = None,
 ) -> Stops:
-    """Find the fastest certified motion to rest from every instant of a plan, along what is left of its path.
+    """Find the fastest certified motion to rest from every instant of a plan, along what is left of its path or way.
 
     Each spills, slides and tips nothing, also while its liquids swing on after the end, which they may. What is left of
     the plan is always one, so that there is one from every instant. This is a motion, and no safety function.
@@ -62,7 +63,7 @@ def stops(
 
     Raises:
         ScenarioError: the plan is not certified, a number is none or not above zero, or the plan has what no state is
-            known of: a corridor or free yaw, a range of speeds, a controller with delay or lag.
+            known of: a range of speeds, a controller with delay or lag.
         NoSolutionError: no joint path leads along the path of the scene.
     """
     brake = _decelerations(deceleration, plan.scene.robot)
@@ -75,19 +76,20 @@ def stops(
     instants = np.arange(every, plan.duration - _SHORTEST_LEFT, every)
     if not len(instants):
         raise ScenarioError(f"every = {every:g} s: the motion takes {plan.duration:.3f} s, no instant lies within it")
-    states = states_of(plan.trajectory, plan.scene, instants)
-    joint_path = joint_path_of(plan)
+    own_way = along_own_way(plan, every)
+    states = states_of(own_way.trajectory, own_way.scene, instants)
+    joint_path = joint_path_of(own_way)
     found: Found | None = None
     own: list[Stop] = []
     controller = []
     for number, state in enumerate(states, start=1):
-        stop, found = stop_from(plan, state, joint_path, found, residual=residual, afresh=number % _AFRESH == 0)
+        stop, found = stop_from(own_way, state, joint_path, found, residual=residual, afresh=number % _AFRESH == 0)
         own.append(stop)
         controller += [braked(plan, state.t, brake), slowed_to_rest(plan, state.t, slowing)]
         if progress is not None:
             progress(number, len(states))
     for index in reversed(range(len(own) - 1)):
-        own[index] = sooner_by_waiting(plan, states[index], own[index], own[index + 1], residual)
+        own[index] = sooner_by_waiting(own_way, states[index], own[index], own[index + 1], residual)
     return Stops(
         plan.scene.name, plan.duration, tuple(own), tuple(controller), tuple(brake.tolist()), slowing, residual
     )
@@ -120,7 +122,7 @@ def _require_stoppable(plan: Plan) -> None:
             f"{name}: motion.speed_range is stated, and where a slower motion is stopped is another state; plan "
             "without it to find stops at full speed"
         )
-    require_known_state(plan.scene)
+    require_known_joints(plan.scene)
 
 
 def _decelerations(stated: ArrayLike | None, robot: Robot) -> np.ndarray:
