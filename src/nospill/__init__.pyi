@@ -73,6 +73,7 @@ from nospill.scene.cycle import Cycle as Cycle
 from nospill.scene.scene import Scene as Scene
 from nospill.simulation.simulate import simulate_slosh as simulate_slosh
 from nospill.stopping.recovery import recover as recover
+from nospill.stopping.stoppable import plan_stoppable as plan_stoppable
 from nospill.stopping.stops import stops as stops
 from nospill.sweeps.bounds import Bound as Bound
 from nospill.sweeps.bounds import largest as largest

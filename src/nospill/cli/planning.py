@@ -102,7 +102,15 @@ def plan(
         page: Path | None = None
         try:
             try:
-                outcome = find_plan(scene, progress=progress.show).timed("import", loading).with_second_looks()
+                if scene.motion.stoppable is not None:
+                    from nospill.stopping.stoppable import plan_stoppable
+
+                    stoppable = plan_stoppable(scene, progress=progress.show, said=say)
+                    say(stoppable.text)
+                    found = stoppable.plan
+                else:
+                    found = find_plan(scene, progress=progress.show)
+                outcome = found.timed("import", loading).with_second_looks()
             except ScenarioError as error:  # the arm cannot follow the path: the file is named as where it is read
                 raise ScenarioError(f"{scenario}: {error}", error.reason) from error
             if compare:

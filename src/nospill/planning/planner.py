@@ -99,6 +99,11 @@ def _plan(
 ) -> tuple[Plan, Candidate]:
     """`plan`, with the candidate that the next one may start from; `rest` is what is left of the motion before."""
     require_ruckig_if_needed(scene)
+    if scene.motion.stoppable is not None:
+        raise ScenarioError(
+            f"{scene.name}: motion.stoppable is looked for by nospill plan and ns.plan_stoppable(scene) alone, "
+            "which plan several times; leave it out here"
+        )
     log = Log(progress, scene.planning.max_plan_time)
     base_is_free = has_free_base(scene)
     if base_is_free:

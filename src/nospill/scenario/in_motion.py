@@ -25,6 +25,7 @@ def require_may_begin_in_motion(scenario: Scenario) -> None:
     reasons = {
         "[approach]": (scenario.approach is not None, "comes before the motion, and ends at rest"),
         "motion.hold_before": (rules.hold_before > 0.0, "is rest before the motion"),
+        "motion.stoppable": (rules.stoppable is not None, "is about motions from rest"),
         "motion.speed_range": (rules.speed_range is not None, "is of motions whose beginning is slower as well"),
         "[controller] with delay or lag": (late, "asks for the joints ahead of time, before the motion begins"),
         "tolerance.tracking": (band, "is about joints that were late before the motion too, which nothing knows"),

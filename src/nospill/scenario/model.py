@@ -169,6 +169,14 @@ class MotionTable(Table):
             "allow; needs [initial_state]",
         ),
     ] = False
+    stoppable: Annotated[
+        OptionalQuantity,
+        Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),
+        Field(
+            description="the fastest motion that can be stopped without a spill within this time at every instant, by "
+            "a bound on the speed of the tray's centre that planning finds"
+        ),
+    ] = default(None)
     hold_before: Annotated[
         Quantity, HOLD, Field(description="how long the arm stands still before it moves, in exported files")
     ] = default(0.0)

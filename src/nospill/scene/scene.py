@@ -71,6 +71,7 @@ class MotionRules:
         linear_since: why all of them are linear, as the end of a sentence; empty where they are not, or as published.
         residual_height: likewise, of heights after the end; of second order only where `slosh_height` is.
         stop: whether it may come to rest anywhere on its path.
+        stoppable: s, within which a certified stop exists at every instant; None where that is not asked for.
     """
 
     tilt_free: bool
@@ -94,6 +95,7 @@ class MotionRules:
     linear_since: str = ""
     residual_height: HeightOrder = "linear"
     stop: bool = False
+    stoppable: float | None = None
 
     @property
     def speeds(self) -> tuple[float, ...]:

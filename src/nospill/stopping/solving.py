@@ -11,6 +11,7 @@ what they do to their cups is judged for a while after the end too.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -77,7 +78,7 @@ def stop_from(
     before: Found | None,
     *,
     residual: float = 1.0,
-    afresh: bool = False,
+    afresh_above: float = math.inf,
 ) -> tuple[Stop, Found | None]:
     """The fastest certified stop that was found from a state; what is left of the plan where none is sooner.
 
@@ -87,7 +88,7 @@ def stop_from(
         joint_path: the arm's way along the path.
         before: the stop from the instant before, from which this one is solved first.
         residual: how high liquids may swing on, over max_slosh_height.
-        afresh: whether one is looked for from afar too, and the faster taken.
+        afresh_above: s, duration of the stop found so from which one is looked for from afar too, the faster is taken.
 
     Returns:
         The stop; and what the next one is solved from, None where nothing was solved.
@@ -95,7 +96,7 @@ def stop_from(
     began, left = time.perf_counter(), plan.duration - state.t
     scene = stopping_scene(plan.scene, state, residual)
     found = None if before is None else _certified(scene, state, before.solution.stages, before, left)
-    if found is None or afresh:
+    if found is None or found.stop.duration > afresh_above:
         other = found_from_afar(scene, state, joint_path, left)
         if found is None or (other is not None and other.stop.duration < found.stop.duration):
             found = other

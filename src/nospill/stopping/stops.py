@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +15,13 @@ from nospill.core.files import atomic_folder, atomic_text
 from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
 from nospill.plans.plan import Plan
-from nospill.plans.state import require_known_joints, states_of
+from nospill.plans.state import MotionState, require_known_joints, states_of
 from nospill.plans.stops import Stop, Stops, file_of
 from nospill.robots.robot import Robot
 from nospill.stopping.controller import braked, slowed_to_rest
 from nospill.stopping.later import sooner_by_waiting
 from nospill.stopping.own_way import along_own_way
-from nospill.stopping.solving import Found, joint_path_of, stop_from
+from nospill.stopping.solving import joint_path_of, stop_from
 
 EVERY = 0.02
 """s; from how many instants a stop is looked for."""
@@ -78,21 +79,53 @@ def stops(
         raise ScenarioError(f"every = {every:g} s: the motion takes {plan.duration:.3f} s, no instant lies within it")
     own_way = along_own_way(plan, every)
     states = states_of(own_way.trajectory, own_way.scene, instants)
-    joint_path = joint_path_of(own_way)
-    found: Found | None = None
-    own: list[Stop] = []
-    controller = []
-    for number, state in enumerate(states, start=1):
-        stop, found = stop_from(own_way, state, joint_path, found, residual=residual, afresh=number % _AFRESH == 0)
+    own, controller = [], []
+    for number, stop in enumerate(_one_by_one(own_way, states, residual), start=1):
         own.append(stop)
-        controller += [braked(plan, state.t, brake), slowed_to_rest(plan, state.t, slowing)]
+        controller += [braked(plan, stop.t, brake), slowed_to_rest(plan, stop.t, slowing)]
         if progress is not None:
             progress(number, len(states))
-    for index in reversed(range(len(own) - 1)):
-        own[index] = sooner_by_waiting(own_way, states[index], own[index], own[index + 1], residual)
+    own = _waiting(own_way, states, own, residual)
     return Stops(
         plan.scene.name, plan.duration, tuple(own), tuple(controller), tuple(brake.tolist()), slowing, residual
     )
+
+
+def spill_free_stops(plan: Plan, every: float, enough: float) -> list[Stop]:
+    """The stops of a plan, as `stops` finds them, from every instant after which more than a time, s, is left of it.
+
+    Args:
+        plan: certified.
+        every: s, between the instants.
+        enough: s; a stop that takes no longer is good enough, and no faster one is looked for.
+
+    Raises:
+        ScenarioError: as `stops`.
+        NoSolutionError: likewise.
+    """
+    _require_stoppable(plan)
+    own_way = along_own_way(plan, every)
+    instants = np.arange(every, plan.duration - max(enough, _SHORTEST_LEFT), every)
+    states = states_of(own_way.trajectory, own_way.scene, instants) if len(instants) else []
+    return _waiting(own_way, states, list(_one_by_one(own_way, states, 1.0, enough)), 1.0)
+
+
+def _one_by_one(
+    plan: Plan, states: Sequence[MotionState], residual: float, enough: float | None = None
+) -> Iterator[Stop]:
+    """The stop from every state, each solved from the one before it."""
+    joint_path, found = joint_path_of(plan), None
+    for number, state in enumerate(states, start=1):
+        above = enough if enough is not None else 0.0 if number % _AFRESH == 0 else math.inf
+        stop, found = stop_from(plan, state, joint_path, found, residual=residual, afresh_above=above)
+        yield stop
+
+
+def _waiting(plan: Plan, states: Sequence[MotionState], own: list[Stop], residual: float) -> list[Stop]:
+    """The stops of a plan, where it is sooner those of the next instant with what leads there."""
+    for index in reversed(range(len(own) - 1)):
+        own[index] = sooner_by_waiting(plan, states[index], own[index], own[index + 1], residual)
+    return own
 
 
 def write_stops(found: Stops, plan: Plan, folder: str | Path) -> None:
