@@ -142,6 +142,10 @@ def test_record_and_sentences(found: Executed) -> None:
     assert len(log_lines(found)) == 3
     assert "the plan begins at 0.500" in tracking_lines(found)[0]
     assert all(row.constraint for row in undecided(found))
+    assert table["left_at_end"].keys() == found.heights.keys()
+    for name, left in table["left_at_end"].items():
+        count = found.scene.slosh_modes * 4  # displacement and velocity along x and y
+        assert np.shape(left["covariance"]) == (count, count), name
 
 
 # --- what a log leaves open -------------------------------------------------------------------------------------------

@@ -24,6 +24,10 @@ if TYPE_CHECKING:  # for annotations only: at run time these would load numpy an
     from nospill.plans.plan import Plan
 
 
+_OF_A_BAG = "metadata.yaml"
+"""In the folder of a ROS 2 bag, and in none of a plan."""
+
+
 def plan(
     scenario: Annotated[
         str, typer.Argument(help="A scenario file (TOML), a plan folder, or the name of a bundled example.")
@@ -55,8 +59,8 @@ def plan(
         Path | None,
         typer.Option(
             "--after",
-            metavar="DIR",
-            help="Begin where this plan ends, in its joints and with its swing.",
+            metavar="DIR|LOG",
+            help="Begin where this plan ends, in its joints and with its swing, or with what this joint log leaves.",
             show_default=False,
         ),
     ] = None,
@@ -88,11 +92,17 @@ def plan(
         require_no_own_limits(scenario)
         scene = read_scenario(scenario, settings=settings or ())
         say_notes(scene)
-        before = None if after is None else load_plan(after)
-        if before is not None:
+        if after is not None and not (after.is_file() or (after / _OF_A_BAG).is_file()):
             from nospill.plans.rows import with_residual_slosh
 
-            scene = with_residual_slosh(scene, before, seconds(wait))
+            scene = with_residual_slosh(scene, load_plan(after), seconds(wait))
+        elif after is not None:
+            from nospill.execution.going_on import after_log
+            from nospill.execution.reading import read_log
+
+            begun = after_log(scene, read_log(after, scene.robot), seconds(wait))
+            scene = begun.scene
+            say(begun.text)
         progress.say(LOADING)
         began = time.perf_counter()
         from nospill.planning.planner import plan as find_plan

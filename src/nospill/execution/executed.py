@@ -26,6 +26,7 @@ from nospill.execution.bands import (
 )
 from nospill.execution.log import JointLog
 from nospill.execution.motion import RecordedMotion, Span, recorded_motion, samples, stopping_time
+from nospill.execution.observer import ObservedLiquid, observed_liquids
 from nospill.execution.smoothing import BANDWIDTH, SmoothJoints
 from nospill.execution.tracking import Tracking, track_command, tracking
 from nospill.laws.constraints.base import EVERYWHERE, EvaluationPoint, RowId
@@ -114,6 +115,11 @@ class Executed:
         """Of every row: whether it holds, fails or cannot be told."""
         rows = self.judgement.certificate.rows
         return {row.id: outcome(row, self.bands, self.smoothing, len(rows)) for row in rows}
+
+    @cached_property
+    def left(self) -> Mapping[str, ObservedLiquid]:
+        """How the liquids swing when the arm has stopped, and how well that is known, by object."""
+        return observed_liquids(self.judgement.replay, self.scene, at=self.recorded.end - self.clock)
 
     @property
     def word(self) -> str:

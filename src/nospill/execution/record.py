@@ -10,6 +10,7 @@ from nospill.certification.verdict import Row, limit_use
 from nospill.execution.bands import NOT_CERTIFIED, OPEN
 from nospill.execution.executed import Executed
 from nospill.execution.tracking import Tracking
+from nospill.plans.swings import swing_table
 
 _SMALL = 0.01
 """mm; narrower bands are not told apart."""
@@ -159,6 +160,11 @@ def executed_table(found: Executed) -> dict[str, Any]:
         },
         "planned": None if found.planned is None else found.planned.certificate.to_dict(),
         "tracking": None if found.tracking is None else _tracking_table(found.tracking, joints),
+        "left_at_end": {
+            name: swing_table(item.swing)
+            | {"t_s": item.t, "height_deviation_m": item.height_spread.tolist(), "covariance": item.covariance.tolist()}
+            for name, item in found.left.items()
+        },
         "peak_height_m": {name: float(np.max(values)) for name, values in found.heights.items()},
         "peaks": [
             {
