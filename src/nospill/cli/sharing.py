@@ -53,7 +53,7 @@ def report(
     with ProgressLine() as progress:
         from nospill.export.plan_files import compare_plan_files
         from nospill.plans.loading import load_plan
-        from nospill.report import make_report, read_second_opinion, save_report
+        from nospill.report import make_report, read_second_opinion, read_stopping_table, save_report
 
         plan = load_plan(folder)
         if verify:
@@ -68,7 +68,8 @@ def report(
         progress.say("judge")
         compared = compare_plan_files(plan.trajectory, plan.scene, folder)
         run = None if executed is None else _judged_run(executed, folder, measured or (), offset or (), unit)
-        made = make_report(plan, opinion=opinion, controller_files=compared, executed=run)
+        stops = read_stopping_table(folder, plan)
+        made = make_report(plan, opinion=opinion, controller_files=compared, executed=run, stops=stops)
         progress.say("draw")
         size = save_report(made, page, pdf=pdf)
     print(f"written to {page} ({size / 1e6:.1f} MB), {made.verdict}")

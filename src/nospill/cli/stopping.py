@@ -65,9 +65,10 @@ def stops(
         from nospill.core.units import quantity
         from nospill.plans.handover import exporter_named
         from nospill.plans.loading import load_plan
+        from nospill.plans.stops import STOPS_FILE
         from nospill.plots.stopping import save_stops
         from nospill.stopping.files import hand_over_stops
-        from nospill.stopping.stops import LIBRARY, STOPS_FILE, write_stops
+        from nospill.stopping.stops import LIBRARY, write_stops
         from nospill.stopping.stops import stops as find_stops
 
         times = quantity(every, "time"), quantity(slowing, "time")

@@ -59,6 +59,7 @@ class Report:
         task, cargo, joints, planning, versions: tables.
         warnings: what the verdict rests on: what about, subject, sentence.
         executed: what a log of the motion says, if there is one.
+        stops: what happens if it is stopped, where somebody has looked.
     """
 
     evidence: Evidence
@@ -75,6 +76,7 @@ class Report:
     versions: TextTable
     warnings: TextTable
     executed: ExecutedRun | None = None
+    stops: TextTable | None = None
 
     @property
     def certificate(self) -> Certificate:
@@ -88,6 +90,7 @@ def make_report(
     opinion: SecondOpinion = NOT_ASKED,
     controller_files: Mapping[str, str | None] | None = None,
     executed: Executed | None = None,
+    stops: TextTable | None = None,
 ) -> Report:
     """Put a report together; the motion is judged again unless the plan has its judgement at hand.
 
@@ -95,6 +98,7 @@ def make_report(
         plan: certified or not.
         opinion: of a simulation.
         executed: a log of the motion, judged.
+        stops: as `read_stopping_table` has it.
         controller_files: by name, what is wrong with it or None, as `export.plan_files.compare_plan_files` says.
 
     Raises:
@@ -125,6 +129,7 @@ def make_report(
         versions=_versions(plan, digest, controller_files or {}),
         warnings=_warnings(evidence),
         executed=None if executed is None else executed_run(executed),
+        stops=stops,
     )
 
 

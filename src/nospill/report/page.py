@@ -61,6 +61,7 @@ def html_page(report: Report, figures: Mapping[str, str], picture: bytes = b"") 
         _section(report.cargo),
         _certificate(report),
         _executed_section(report),
+        _section(report.stops) if report.stops is not None else "",
         _section(report.warnings),
         _opinion(report),
         f"<section><h2>Figures</h2><div class='flow'>{''.join(_figure(name, figures[name]) for name in others)}</div>"

@@ -41,6 +41,7 @@ def pdf_tables(report: Report) -> tuple[tuple[TextTable, ...], tuple[TextTable, 
     run = report.executed
     last = (
         *(() if run is None else (run.rows, run.heights) if run.figure else (run.rows,)),
+        *(() if report.stops is None else (report.stops,)),
         report.warnings,
         second,
         report.joints,

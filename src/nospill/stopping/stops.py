@@ -16,7 +16,7 @@ from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState, require_known_joints, states_of
-from nospill.plans.stops import Stop, Stops, file_of
+from nospill.plans.stops import STOPS_FILE, Stop, Stops, file_of
 from nospill.robots.robot import Robot
 from nospill.stopping.controller import braked, slowed_to_rest
 from nospill.stopping.later import sooner_by_waiting
@@ -27,8 +27,8 @@ EVERY = 0.02
 """s; from how many instants a stop is looked for."""
 SLOWING = 0.25
 """s; in which a controller scales time to zero, and a joint whose acceleration nobody limits stops from full speed."""
-STOPS_FILE, LIBRARY = "stops.json", "stops"
-"""In a plan folder: the table, and the folder with the samples of every stop that was solved."""
+LIBRARY = "stops"
+"""In a plan folder: the folder with the samples of every stop that was solved."""
 _AFRESH = 5
 """At every so many instants a stop is looked for from afar too."""
 _SHORTEST_LEFT = 0.06
