@@ -19,8 +19,8 @@ from nospill.errors import NospillError, PlanFolderError
 from nospill.export import EXPORTERS
 from nospill.motion.trajectory import read_trajectory
 from nospill.paths.waypoint_files import read_waypoints
-from nospill.plans.handover import hand_over, read_samples
 from nospill.plans import loading
+from nospill.plans.handover import hand_over, read_samples
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario
