@@ -82,6 +82,7 @@ def test_a_warm_plan_that_is_too_long_is_planned_from_nothing_before_it_counts(m
 def test_where_nothing_ends_the_search_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     found = search(monkeypatch, 100.0, between=(0.2, 0.9))
     assert (found.value, found.beyond) == (0.9, None)
+    assert str(found) == found.text
     assert found.text.endswith("the search ended there")
 
 

@@ -26,8 +26,8 @@ def read_table(path: str | os.PathLike[str], *, joints: int) -> RawLog:
     table = read_text_table(path)
     if not table.named and len(table.columns) != joints:
         raise ScenarioError(
-            f"{table.origin}: {len(table.columns)} columns without a header where the robot has {joints} joints; add a "
-            "header line t_s,q1_rad,..."
+            f"{table.origin}: {len(table.columns)} columns without a header where the robot has {joints} joints, which "
+            f"would be all of them; where one is of times, add the header line t_s,q1_rad,...,q{joints}_rad"
         )
     wrong = {
         name: f"row {number}: {as_written(cell)} in column {name} is not a number"

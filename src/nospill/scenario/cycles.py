@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tomli_w
 from pydantic import ValidationError
 
 from nospill.core.suggestions import nearest
+from nospill.core.toml_text import toml_text
 from nospill.core.units import as_written, format_quantity, listed
 from nospill.errors import ScenarioError
 from nospill.scenario.fields import FREE, LONGEST_NAME
@@ -283,4 +283,4 @@ def _text(
             for entry, source in zip(legs, sources, strict=True)
         ],
     }
-    return tomli_w.dumps(content, multiline_strings=True)
+    return toml_text(content)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import tomli_w
 from pydantic import ValidationError
 
+from nospill.core.toml_text import toml_text
 from nospill.errors import ScenarioError
 from nospill.scenario.messages import faults_of
 from nospill.scenario.model import Scenario
@@ -92,8 +91,7 @@ class StandaloneScenario:
     def text(self) -> str:
         """See `Origin`."""
         # the text of a URDF is for people to read too; line ends that would not survive it (CR LF) stay escaped
-        readable = tomli_w.dumps(self.content, multiline_strings=True)
-        return readable if tomllib.loads(readable) == self.content else tomli_w.dumps(self.content)
+        return toml_text(self.content)
 
 
 def _require_known_keys(table: Mapping[str, Any], label: str) -> None:

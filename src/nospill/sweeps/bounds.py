@@ -69,6 +69,9 @@ class Bound:
         near = np.array(near if len(near) > _FEW else motions[: _FEW + 1])
         return None if len(near) < 2 else float(np.polyfit(near[:, 0], near[:, 1], 1)[0])
 
+    def __str__(self) -> str:
+        return self.text
+
     @property
     def text(self) -> str:
         """The answer in one sentence."""
