@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nospill.cli.progress import ProgressLine
+from nospill.cli.run_options import PlanOutput, Settings
 from nospill.cli.tables import print_lines, print_table, print_verdict
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -31,19 +32,8 @@ def layout(
     ],
     plans: Annotated[int, typer.Option("--plans", min=1, help="How many layouts are planned.")] = 30,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the random starts.")] = 0,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Another value for a key of the scenario; repeatable.",
-            show_default=False,
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
-    ] = None,
+    settings: Settings = None,
+    output: PlanOutput = None,
 ) -> int:
     """Find the places of objects, tray or arm with the shortest certified motion."""
     with ProgressLine() as progress:

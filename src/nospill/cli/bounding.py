@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from nospill.cli.progress import ProgressLine
+from nospill.cli.run_options import PlanOutput, Settings
 from nospill.cli.tables import print_lines, print_table, print_verdict
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -34,19 +34,8 @@ def largest(
         ),
     ] = None,
     precision: Annotated[float, typer.Option("--precision", help="Part of the value to which it is found.")] = 0.01,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Another value for a key of the scenario; repeatable.",
-            show_default=False,
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
-    ] = None,
+    settings: Settings = None,
+    output: PlanOutput = None,
 ) -> int:
     """Find the largest value of a number whose motion or cycle is certified and takes at most so long."""
     with ProgressLine() as progress:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from nospill.cli.identifying import SHOWN
 from nospill.cli.planning import print_plan
+from nospill.cli.run_options import PlanOutput
 from nospill.cli.tables import print_lines, print_table
 
 
@@ -21,10 +21,7 @@ def design_test(
         str, typer.Option("--noise", metavar="LENGTH", help="Standard deviation of a measured height.")
     ] = "0.5 mm",
     rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Measured heights a second.")] = 60.0,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
-    ] = None,
+    output: PlanOutput = None,
 ) -> int:
     """Find the most informative test motion along the path (D-optimal for damping, fill and lag), safe by certificate.
 

@@ -15,7 +15,7 @@ from nospill.cli.checking import print_certificate, print_warnings
 from nospill.cli.notes import say_notes
 from nospill.cli.progress import FILES, LOADING, PLANNING_STEPS, ProgressLine
 from nospill.cli.reporting import one_line, only_stderr, print_json
-from nospill.cli.run_options import seconds
+from nospill.cli.run_options import PlanOutput, Settings, seconds
 from nospill.cli.sharing import write_plan_report
 from nospill.cli.tables import print_lines, print_verdict, say
 from nospill.errors import NoSolutionError, ScenarioError
@@ -32,10 +32,7 @@ def plan(
     scenario: Annotated[
         str, typer.Argument(help="A scenario file (TOML), a plan folder, or the name of a bundled example.")
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
-    ] = None,
+    output: PlanOutput = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json on stdout and nothing else.")] = False,
     no_figures: Annotated[bool, typer.Option("--no-figures", help="Leave the figures out of the plan folder.")] = False,
     all_figures: Annotated[
@@ -46,15 +43,7 @@ def plan(
     compare: Annotated[
         bool, typer.Option("--compare", help="State what is saved against a level tray and a trapezoid profile.")
     ] = False,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Another value for a key of the scenario, as motion.tilt=free or cargo.c1.friction=0.4; repeatable.",
-            show_default=False,
-        ),
-    ] = None,
+    settings: Settings = None,
     after: Annotated[
         Path | None,
         typer.Option(

@@ -10,6 +10,7 @@ import typer
 from nospill.cli.planning import print_plan
 from nospill.cli.progress import LOADING, PLANNING_STEPS, ProgressLine
 from nospill.cli.reporting import one_line
+from nospill.cli.run_options import PlanOutput
 from nospill.cli.tables import say
 from nospill.errors import NoSolutionError, ScenarioError
 
@@ -25,10 +26,7 @@ def retime(
     scenario: Annotated[
         str, typer.Option("--scenario", metavar="S", help="Arm, tray, cargo and limits: a file or an example.")
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False),
-    ] = None,
+    output: PlanOutput = None,
     join: Annotated[
         str | None,
         typer.Option(

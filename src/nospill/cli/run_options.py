@@ -1,4 +1,4 @@
-"""What several commands are given: times, and of a run its log and what it is judged by."""
+"""What several commands are given: settings, a plan folder to write, times, and of a run its log and its judge."""
 
 from __future__ import annotations
 
@@ -13,6 +13,18 @@ if TYPE_CHECKING:  # for annotations only: at run time these would load numpy an
     from nospill.plans.plan import Plan
     from nospill.scene.scene import Scene
 
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Another value for a key of the scenario, as motion.tilt=free or cargo.c1.friction=0.4; repeatable.",
+        show_default=False,
+    ),
+]
+PlanOutput = Annotated[
+    Path | None, typer.Option("-o", "--output", metavar="DIR", help="Write the plan folder here.", show_default=False)
+]
 Log = Annotated[
     Path, typer.Argument(metavar="LOG", help="What the arm did: CSV of joint positions, RTDE recording, ROS bag.")
 ]

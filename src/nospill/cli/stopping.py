@@ -21,7 +21,9 @@ _ROWS = 12
 
 def stops(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="A plan folder.")],
-    every: Annotated[str, typer.Option(metavar="TIME", help="Time between the instants.")] = "20 ms",
+    every: Annotated[
+        str, typer.Option(metavar="TIME", help="Between the instants; a plain number is seconds.")
+    ] = "20 ms",
     residual: Annotated[
         str,
         typer.Option(metavar="RATIO", help="How high liquids may swing on after a stop, over max_slosh_height."),
