@@ -23,6 +23,8 @@ _CHANGE = np.array([1e-5, 1e-3])
 _LOWER, _UPPER = np.array([5e-4, 0.05]), np.array([0.2, 5.0])
 _STARTS = ((0.006, 0.5), (0.006, 1.0), (0.02, 0.5), (0.02, 1.0))
 """T in s, and damping ratio, to fit from; the delay so that the whole is as late as with first order."""
+_SLOW = 0.04
+"""s; joints that lag by more are fitted from that lag too, all of it by T and D."""
 _IDENTIFIABLE = {"delay": 2e-3, "frequency": 0.1, "damping": 0.1}
 """Half widths of 95 % above which a number is not told: s, and parts of the value."""
 _NEIGHBOURS = 25
@@ -81,6 +83,7 @@ def fit_second_order(
         done, *slopes = (np.interp(t - late, grid, column, left=0.0) for column in (here, *columns))
         return done + first - position, np.column_stack(slopes)
 
+    starts = [*_STARTS, *((lag / (2.0 * ratio), ratio) for ratio in (0.8, 1.2) if lag > _SLOW)]
     best = min(
         (
             fitted(
@@ -88,10 +91,10 @@ def fit_second_order(
                 np.array([delay + lag - 2.0 * ratio * period, period, ratio]),
                 np.array([1e-3, 1e-3, 0.1]),
                 np.array([delay - 0.1, *_LOWER]),
-                np.array([delay + 0.1, *_UPPER]),
+                np.array([delay + lag + 0.1, *_UPPER]),
                 neighbours=_NEIGHBOURS,
             )
-            for period, ratio in _STARTS
+            for period, ratio in starts
         ),
         key=lambda fit: fit.left,
     )
