@@ -13,7 +13,18 @@ from nospill.errors import ScenarioError
 from nospill.execution.clocks import Clock, found_clock, is_named, missing_clock, rows_clock
 from nospill.paths.joint_points import TURN, joint_columns, missing_joint_columns, whole_turns
 
-_COMMANDS = ("target_q", "q_target", "command", "q_command", "q_cmd", "desired", "q_desired", "reference")
+_COMMANDS = (
+    "target_q",
+    "q_target",
+    "command",
+    "q_command",
+    "q_cmd",
+    "desired",
+    "q_desired",
+    "reference",
+    "state.q_d",
+    "aspos.a",
+)
 """Names of a row of numbered columns of the positions that the controller asked for at the same instants."""
 _LEAST_ROWS = 20
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}

@@ -23,13 +23,16 @@ POSITION_NAMES = (
     "position",
     "pos",
     "axis",
+    "state.q",
+    "aipos.a",
     "j",
     "a",
 )
-"""Names that a row of numbered columns of positions may have, the first that is there; `actual_q` is RTDE's."""
+"""Names that a row of numbered columns of positions may have, the first that is there; `actual_q` is RTDE's,
+`state.q` that of libfranka's own log, `aipos.a` that of KUKA's RSI."""
 TURN = 2.0 * np.pi
 
-_NUMBERED = re.compile(r"(.*?)_?(\d+)")
+_NUMBERED = re.compile(r"(.*?)_?\[?(\d+)\]?")
 _NEARLY = 0.5
 """rad; a step that is this near to whole turns is a jump of the counting and no motion."""
 
