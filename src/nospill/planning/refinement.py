@@ -37,6 +37,10 @@ _ALIKE = 0.8
 """Part of the coarse answer's duration that a fine one near it takes at least."""
 _WORTH_A_SOLVE = 1e-3
 """Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
+_WORTH_WITH_MARGINS = 0.01
+"""The same over a band of arms, where a row that gets some back asks for two more rounds."""
+_NEARLY_ALIKE = 3.5
+"""Ratio of the weights of the jerks with which multipliers are worth a start, between problems with margins."""
 _SLOWEST = 4.0
 """Times as slow as a motion is made at most, from which members or modes did not join."""
 
@@ -115,7 +119,8 @@ def certify_by_refinement(candidate: Candidate, log: Log) -> Judged:
     if not judged.judgement.certificate.ok or not last.has_converged or log.out_of_time:
         return judged
     relaxed = last.active.relaxed(judged.judgement)
-    if saving_of(last.problem, last.solution, relaxed.backoff) > _WORTH_A_SOLVE * end:
+    worth = _WORTH_A_SOLVE if not last.active.margins else _WORTH_WITH_MARGINS
+    if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
         with suppress(NoSolutionError):
             again = _tighten(last, relaxed, log)
             refined = again and _refine_until_certified(again, log, below=end)
@@ -202,8 +207,9 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
 
 def _tighten(before: Candidate, active: ActiveSet, log: Log) -> Candidate | None:
     """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails."""
-    alike = active.margins is before.active.margins and active.jerk_weight_factor == before.active.jerk_weight_factor
-    same = alike and active.rows == before.active.rows
+    heavier = active.jerk_weight_factor / before.active.jerk_weight_factor
+    alike = heavier == 1.0 or (bool(before.active.margins) and 1.0 / _NEARLY_ALIKE <= heavier <= _NEARLY_ALIKE)
+    same = alike and bool(active.margins) == bool(before.active.margins) and active.rows == before.active.rows
     barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)
     again = solved(active, before.stages, log, near_optimum(barrier, most), before if same else None, tightens=True)
     if not again.has_converged:
