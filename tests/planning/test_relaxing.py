@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -79,8 +80,8 @@ def test_of_two_motions_only_a_certified_one_counts(begun: Begun, monkeypatch: p
     refined = refinement._refine_until_certified
     answers: list[Judged] = []
 
-    def broken_the_second_time(candidate: Candidate, log: Log) -> Judged:
-        found = refined(candidate, log)
+    def broken_the_second_time(candidate: Candidate, log: Log, *, below: float = math.inf) -> Judged:
+        found = refined(candidate, log, below=below)
         verdict = replace(found.judgement.certificate, ok=not answers)
         answers.append(replace(found, judgement=replace(found.judgement, certificate=verdict)))
         return answers[-1]
@@ -88,3 +89,21 @@ def test_of_two_motions_only_a_certified_one_counts(begun: Begun, monkeypatch: p
     monkeypatch.setattr(refinement, "_refine_until_certified", broken_the_second_time)
     assert certify_by_refinement(candidate, log) is answers[0]
     assert len(answers) == 2 and answers[1].trajectory.end_time < answers[0].trajectory.end_time
+
+
+@pytest.mark.slow
+def test_a_motion_as_long_as_another_is_not_tightened(begun: Begun) -> None:
+    """What breaks its limits by 2 % is certified after some rounds, and given up where it may not take so long."""
+    candidate, duration, log = begun
+    too_little = {
+        row: -0.02 if row.constraint == "slosh height" else kept for row, kept in candidate.active.backoff.items()
+    }
+    active = replace(candidate.active, backoff=too_little)
+    rough = solved(active, candidate.stages, log, near_optimum(1e-5, 100))
+    assert rough.has_converged
+    before = log.rounds
+    given_up = refinement._refine_until_certified(rough, log, below=0.5 * duration)
+    assert not given_up.judgement.certificate.ok and given_up.candidate is rough and log.rounds == before
+    finished = refinement._refine_until_certified(rough, log, below=2.0 * duration)
+    assert finished.judgement.certificate.ok and log.rounds > before
+    assert finished.trajectory.end_time > given_up.trajectory.end_time
