@@ -56,7 +56,7 @@ def followed(seed: int, scene: Scene, residual: str, keep: Path | None = None) -
         found = plan(scene)
         line |= {"plan_cpu_s": time.process_time() - begun, "duration_s": found.duration, "ok": found.certificate.ok}
         if not found.certificate.ok:
-            return line
+            return {**line, "reason": found.message}
         if keep is not None:
             found.save(keep / f"{seed}-{residual.replace(' ', '-')}")
         report = verify_water(found)
