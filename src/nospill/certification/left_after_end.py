@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from nospill.certification.certificate import judge_motion
+from nospill.errors import ModelError
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo, Tolerance
@@ -32,8 +33,8 @@ class LeftAfterEnd:
         limit: of the row.
         linear: of the modes alone.
         second_order: None where it is not known.
-        off: of the highest order that is known, with frequencies `OFF` higher or lower; None where the liquid begins
-            with a swing, which is stated for its own frequencies.
+        off: of the highest order that is known, with frequencies `OFF` higher or lower; None where it cannot be
+            integrated, and where it begins with a swing, which is stated for its own frequencies.
     """
 
     limit: float
@@ -55,7 +56,7 @@ def left_after_end(trajectory: Trajectory, scene: Scene) -> dict[str, LeftAfterE
         scene: what it must keep to; its own tolerances and range of speeds are left out.
 
     Raises:
-        ModelError: the liquids cannot be integrated.
+        ModelError: the liquids as stated cannot be integrated.
     """
     if scene.fidelity != "full" or scene.motion.end != "residual":
         return {}
@@ -68,7 +69,10 @@ def left_after_end(trajectory: Trajectory, scene: Scene) -> dict[str, LeftAfterE
         ),
         tracking=None,
     )
-    judged = judge_motion(trajectory, asked)
+    try:
+        judged = judge_motion(trajectory, asked)
+    except ModelError:  # of the liquids with frequencies that are off
+        judged = judge_motion(trajectory, replace(asked, cargo=tuple(replace(i, tolerance=None) for i in scene.cargo)))
     lids = {item.name for item in scene.cargo if item.filling is not None and item.filling.lid}
     found = {}
     for trace in judged.traces:
