@@ -32,7 +32,9 @@ _WIDE = 2
 _HELD = 10
 """Positions of the redundant joint at which configurations are looked for."""
 _FOLLOWED = 6
-"""Pairs of yaws that are followed, or among obstacles looked for a way, best first."""
+"""Pairs of yaws that are followed, best first."""
+_LOOKED_FOR = 3
+"""Likewise among obstacles, where a way is looked for: that may take half a minute where there is none."""
 
 
 def free_ends(scene: Scene) -> tuple[str, ...]:
@@ -59,7 +61,8 @@ def choose_end_yaws(scene: Scene) -> Scene:
         return scene
     found: list[tuple[float, int, Scene]] = []
     failure: NoSolutionError | ScenarioError | None = None
-    for order, yaws in enumerate(islice(_in_order(scene, free), _FOLLOWED)):
+    most = _LOOKED_FOR if scene.has_surroundings else _FOLLOWED
+    for order, yaws in enumerate(islice(_in_order(scene, free), most)):
         candidate = _turned(scene, dict(zip(_ENDS, yaws, strict=True)), free)
         try:
             if scene.has_surroundings:

@@ -48,8 +48,9 @@ _COARSE_SAMPLES = (5, 17)
 """Places at which a way is looked at before it is followed, a few first, which sort most ways out."""
 
 
+@lru_cache(maxsize=2)
 def fastest_clear_path(scene: Scene) -> Scene:
-    """The scene with a way in the place of one that its path leaves open.
+    """The scene with a way in the place of one that its path leaves open; kept, as `tried_along`.
 
     It is the fastest of the plain ways and detours on which nothing is in the way of the level tray, or a much faster
     one that is found by sampling where the straight one or a faster one is blocked; where none is clear, the fastest of
