@@ -24,7 +24,7 @@ EXAMPLES: dict[str, str] = {
     "vial-rack": "24 vials in a rack on a KUKA KR 6, which tilts its tray; the rack feels every liquid",
     "cups-around-a-column": "two cups of water on a UR10e that tilts, to the other side of a column, on any way",
     "shelf-to-table": "a bottle and two cups on a Franka FR3, from below the upper board of a shelf to a table",
-    "bracket-tray": "two cups of water on a UR5e, on a tray ahead of its flange that an L-bracket turns by 90 deg",
+    "bracket-tray": "two cups of water on a UR5e, on a tray that an L-bracket holds ahead of its flange",
     "cups-past-a-column": "two cups of water on a UR10e, past a column and above a table: distances are judged",
 }
 """Name -> what it shows, in one line. The file of each is `scenario/data/<name>.toml`."""
