@@ -176,6 +176,64 @@ def test_ends_of_a_free_path_stay() -> None:
         layout("shelf-to-table", {"path.goal.position": [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]})
 
 
+def test_a_number_that_cannot_be_moved_is_named_and_one_that_touches_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A derivative that fails for another reason than touching is no zero in silence."""
+    refuses = {"friction"}
+
+    class Deaf(Law):
+        def duration_change(self, scene: Scene) -> float:
+            if refuses and scene.source["tray"]["friction"] != 0.466308:
+                raise ScenarioError("the friction cannot be told")
+            return super().duration_change(scene)
+
+    monkeypatch.setitem(globals(), "Law", Deaf)
+    free = {"cargo.*.at": None, "tray.friction": [0.4, 0.5]}
+    assert by_law(monkeypatch, free, plans=40).stuck == {"tray.friction": "the friction cannot be told"}
+    refuses.clear()
+    assert by_law(monkeypatch, free, plans=40).stuck == {}
+
+
+def small(**tables: Any) -> dict[str, Any]:
+    """A cup on a short line of a UR10e, with other tables."""
+    cup = {"name": "cup", "at": [0.02, 0.0], "shape": "cylinder", "radius": "40 mm", "height": "95 mm"}
+    cup |= {"liquid": "water", "liquid_height": "60 mm", "max_slosh_height": "8 mm", "empty_mass": "0.3 kg"}
+    return {
+        "name": "small",
+        "fidelity": "deliverable",
+        "robot": {"model": "ur10e"},
+        "tray": {"size": ["300 mm", "300 mm"], "friction": 0.4, "mass": "0.5 kg", "offset": "50 mm"},
+        "path": {"type": "line", "start": [0.6, -0.25, 0.5], "end": [0.6, 0.25, 0.5], "yaw": ["0 deg", "60 deg"]},
+        "motion": {"end": "residual", "residual_fraction": 0.8},
+        "planning": {"intervals": 40},
+        "cargo": [cup],
+    } | tables
+
+
+RACK = [
+    {"name": "cup", "shape": "box", "at": [0.0, 0.0], "length": 0.12, "width": 0.08, "height": 0.04, "mass": 0.25},
+    {"name": "vial", "carrier": "cup", "at": [0.0, 0.0], "array": {"count": [2, 1], "pitch": ["60 mm", "60 mm"]}}
+    | {"seat_height": "5 mm", "shape": "cylinder", "radius": "15 mm", "height": "60 mm", "liquid": "water"}
+    | {"liquid_height": "30 mm", "max_slosh_height": "6 mm", "empty_mass": "10 g"},
+]
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"tolerance": {"friction": "5 %", "liquid_height": "1 mm", "position": "3 mm"}},
+        {"controller": {"interface": "ur-servoj", "compensate": True, "lag": "20 ms"}},
+        {"motion": {"end": "residual", "residual_fraction": 0.8, "speed_range": ["80 %", "100 %"]}},
+        {"cargo": RACK, "fidelity": "full"},
+    ],
+    ids=["tolerance", "controller", "speed range", "carrier"],
+)
+def test_whatever_a_plan_takes_a_layout_does(tables: dict[str, Any]) -> None:
+    """The best layout is certified as its own plan is, with tolerances, controller, other speeds and carriers."""
+    found = layout(small(**tables), {"cargo.cup.at": None}, plans=2)
+    assert found.plan.certificate.ok and found.stuck == {}
+    assert found.before is not None and found.plan.duration <= found.before.duration
+
+
 def test_a_base_that_the_planner_turns_is_refused() -> None:
     with pytest.raises(ScenarioError, match=r"state an angle, and let robot\.base_yaw change"):
         layout(load("matrix-liquid").changed({"robot.base_yaw": "free"}), {"cargo.c1.at": None})

@@ -89,6 +89,8 @@ def _print(scene: Scene, found: Layout) -> None:
             (key, as_written(stated_value(scene.source, key)), as_written(value)) for key, value in found.values.items()
         ]
         print_table(("key", "as stated", "best, SI"), rows)
+    for key, why in found.stuck.items():
+        print_lines(f"{key} was not moved from some layouts: {why}")
     failed = [trial for trial in found.tried if trial.duration is None]
     if failed:
         print_lines(f"{len(failed)} of {len(found.tried)} layouts without a motion, the last: {failed[-1].why_not}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from nospill.plans.plan import Plan
@@ -35,12 +35,14 @@ class Layout:
         plan: that of the best layout, certified; its scene is the layout.
         values: key of the scenario -> value in it, SI.
         tried: every layout that was planned, in their order.
+        stuck: key -> why it could not be moved either way from a layout, one sentence: steps from there leave it.
     """
 
     before: Plan | None
     plan: Plan
     values: Mapping[str, Any]
     tried: tuple[Trial, ...]
+    stuck: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def gained(self) -> float | None:

@@ -92,7 +92,7 @@ def layout(
     best, values = _planned_from_nothing(found.best), variables.changes(found.values)
     if before is not None and before.duration <= best.duration:
         best, values = before, {}
-    return Layout(before, best, values, tuple(trials.done))
+    return Layout(before, best, values, tuple(trials.done), trials.stuck)
 
 
 def _planned_from_nothing(warm: Plan) -> Plan:
@@ -127,7 +127,7 @@ class _Trials:
 
     def __init__(self, base: Scene, variables: Variables, count: int, progress: OnTrial | None) -> None:
         self.base, self.variables, self.spacing = base, variables, Spacing(base, variables)
-        self.left, self.done = count, list[Trial]()
+        self.left, self.done, self.stuck = count, list[Trial](), dict[str, str]()
         self._progress = progress
 
     def plan(self, planner: Planner, values: np.ndarray, start: int) -> Plan | None:
@@ -148,19 +148,27 @@ class _Trials:
         return found
 
     def slopes(self, planner: Planner, values: np.ndarray) -> np.ndarray:
-        """(n,) derivatives of the duration of the planner's last motion, s per unit of each number."""
+        """(n,) derivatives of the duration of the planner's last motion, s per unit of each number.
+
+        Zero where the scenario cannot be moved either way; for another reason than that objects touch, `stuck` has it.
+        """
         found = np.zeros(len(values))
         for index, span in enumerate(self.variables.span):
-            for step in (_DERIVATIVE_STEP * span, -_DERIVATIVE_STEP * span):
+            why = ""
+            for step in (_DERIVATIVE_STEP * span, -_DERIVATIVE_STEP * span) if span else ():
                 moved = values.copy()
                 moved[index] += step
                 try:
-                    if step:
-                        scene = self.base.changed(self.variables.exactly(moved))
-                        found[index] = planner.duration_change(scene) / step
-                        break
-                except ScenarioError:
-                    continue  # objects that touch, or stand at the edge, move one way only
+                    scene = self.base.changed(self.variables.exactly(moved))
+                    found[index] = planner.duration_change(scene) / step
+                    why = ""
+                    break
+                except ScenarioError as error:
+                    # objects that touch, or stand at the edge, move one way only
+                    touch = bool(np.any(self.spacing.distances(moved) < 0.0))
+                    why = why or ("" if touch else " ".join(str(error).split()))
+            if why:
+                self.stuck.setdefault(self.variables.keys[index], why)
         return found
 
 
