@@ -4,8 +4,8 @@
 
 Of each example in turn a state is drawn, evenly over its motion, and what is planned from there: on to the end as the
 scenario has it ("same"), on to a calmer end ("calmer", 10 % of the limits may swing on), or a stop ("stop"). In every
-other draw of "stop" a liquid is bumped, by up to twice its limit: then the stop is `ns.recover`'s. A line is written for
-each, and lines that are there already are not drawn again. MuJoCo plays the plan until the state and the new motion
+other draw of "stop" a liquid is bumped, by up to twice its limit: then the stop is `ns.recover`'s. A line is written
+for each, and lines that are there already are not drawn again. MuJoCo plays the plan until the state and the new motion
 after it; motions from bumped liquids are not played, since the bump has no motion.
 """
 
