@@ -66,13 +66,3 @@ def test_times_and_callers_that_make_no_sense_are_refused() -> None:
         plan_stoppable("matrix-liquid-soft-end", within=0.01)
     with pytest.raises(ScenarioError, match="plan_stoppable"):
         ns.plan(ns.load("matrix-liquid-soft-end").changed({"motion.stoppable": "0.4 s"}))
-
-
-@pytest.mark.slow
-def test_a_cup_is_carried_so_that_it_can_be_stopped() -> None:
-    """Stops that are found anew, from half of the instants, are as short as was asked for."""
-    scene = ns.load("pp-two-cups").changed({"cargo.right": None})
-    found = plan_stoppable(scene, within=0.45, every=0.1)
-    assert found.plan.certificate.ok and found.longest <= 0.45
-    for stop in ns.stops(found.plan, every=0.2).stops:
-        assert stop.duration <= 0.45

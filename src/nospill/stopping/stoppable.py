@@ -75,7 +75,7 @@ def plan_stoppable(
     """Find the fastest motion from every instant of which a certified stop takes no longer than a given time.
 
     A stop begins at instants that are `every` apart, so that what one may take is the time less that. Fastest is meant
-    among motions with a bound on the speed of the tray's centre, to 4 % of that bound.
+    among motions with a bound on the speed of the tray's centre, of the few bounds that are tried.
 
     Args:
         scene: the task, or what `load` takes.
