@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.planning.planner import plan
+from nospill.plans.plan import Plan
 from nospill.scenario import load
 from nospill.scenario.settings import stated_value
 from nospill.sweeps import varied
@@ -131,7 +132,7 @@ def test_command_prints_the_trade_off_and_the_answer(monkeypatch: pytest.MonkeyP
 @pytest.mark.slow
 def test_the_answer_is_certified_and_the_next_value_planned_alone_is_too_long() -> None:
     found = largest("matrix-rigid", "tray.friction", plan("matrix-rigid").duration * 1.05, least=True, precision=0.05)
-    assert found.plan.certificate.ok and found.plan.duration <= found.within
+    assert isinstance(found.plan, Plan) and found.plan.certificate.ok and found.plan.duration <= found.within
     assert found.plan.scene.source["tray"]["friction"] == found.value < FRICTION
     assert found.beyond is not None
     beyond = plan(load("matrix-rigid").changed({"tray.friction": found.beyond.value}))
