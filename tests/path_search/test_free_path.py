@@ -79,6 +79,7 @@ def test_no_long_way_round_where_sampling_finds_a_short_one(monkeypatch: pytest.
     figures = [joint_paths(own.robot, own.path, tool=own.tray.tool)[0].speed_figure for own in (found, behind)]
     assert figures[0] < 0.75 * figures[1]
     monkeypatch.setattr(free_path, "fastest_sampled_path", lambda _: (0.8 * figures[1], found))
+    fastest_clear_path.cache_clear()
     assert fastest_clear_path(scene).source["path"] == behind.source["path"]  # what is a little faster stays
 
 

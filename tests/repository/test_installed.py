@@ -25,6 +25,7 @@ ALONE = {
     "ompl": "draws paths, which are kept",
     "rclpy": "make robots installs it for the players",
     "builtin_interfaces": "likewise",
+    "sensor_msgs": "likewise",
     "trajectory_msgs": "likewise",
     "franka_sim": "make robots installs it",
 }

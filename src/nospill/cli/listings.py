@@ -57,7 +57,7 @@ def robots(
     )
     print()
     known = [(row["name"], item["by"], _late(item)) for row in table for item in row["tracking"]]
-    print_table(("robot", "asked by", "known to be late by"), known)
+    print_table(("robot", "asked by", "known to be late by"), known, drop=("asked by",))
     print()
     print_table(("robot", "not known"), [(row["name"], "; ".join(map(str, row["not_known"]))) for row in table])
     return 0
