@@ -17,7 +17,7 @@ import pytest
 from nospill.core import files
 from nospill.core.files import atomic_text
 from nospill.errors import NospillError, PlanFolderError
-from nospill.plans.names import is_plan_folder
+from nospill.plans.names import STOPS_FIGURE, STOPS_FILE, STOPS_FOLDER, SUMMARY_FILE, is_plan_folder
 from tests.waiting import finished
 
 atomic_folder = partial(files.atomic_folder, replaceable=is_plan_folder)
@@ -108,6 +108,16 @@ def test_foreign_folder_is_refused_before_and_inside(tmp_path: Path, name: str) 
         with pytest.raises(PlanFolderError, match=r"holds files that nospill did not write; name a new or an empty"):
             call(target)
     assert content(target) == {name: "dear"}
+
+
+def test_stops_of_a_plan_go_with_it(tmp_path: Path) -> None:
+    target = tmp_path / "plan"
+    (target / STOPS_FOLDER).mkdir(parents=True)
+    for name in (SUMMARY_FILE, STOPS_FILE, STOPS_FIGURE):
+        (target / name).write_text("of the plan before")
+    with atomic_folder(target) as folder:
+        (folder / SUMMARY_FILE).write_text("new")
+    assert [item.name for item in target.iterdir()] == [SUMMARY_FILE]
 
 
 def test_folder_that_became_foreign_meanwhile_is_kept(tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from nospill.errors import PlanFolderError
+from nospill.plans.names import STOPS_FILE
 from nospill.plans.plan import Plan
-from nospill.plans.stops import STOPS_FILE
 from nospill.report import Report, read_stopping_table
 from nospill.report.page import html_page
 

@@ -67,11 +67,11 @@ def stops(
         from nospill.core.units import quantity
         from nospill.plans.handover import exporter_named
         from nospill.plans.loading import load_plan
-        from nospill.plans.stops import STOPS_FILE
+        from nospill.plans.names import STOPS_FIGURE, STOPS_FILE, STOPS_FOLDER
         from nospill.plots.stopping import save_stops
         from nospill.stopping.files import hand_over_stops
-        from nospill.stopping.stops import LIBRARY, write_stops
         from nospill.stopping.stops import stops as find_stops
+        from nospill.stopping.stops import write_stops
 
         times = quantity(every, "time"), quantity(slowing, "time")
         longest = None if within is None else quantity(within, "time")
@@ -87,13 +87,13 @@ def stops(
             slowing=times[1],
         )
         write_stops(found, plan, folder)
-        save_stops(found, folder / "stops.png")
+        save_stops(found, folder / STOPS_FIGURE)
         written = []
         if exporter is not None:
             place = sibling_file(folder, "-stops" + (".script" if exporter.name == "urscript" else ""))
             written = hand_over_stops(found, plan, exporter, place)
     _print(found)
-    print_lines(f"Written: {folder / STOPS_FILE}, {folder / 'stops.png'}, {folder / LIBRARY}")
+    print_lines(f"Written: {folder / STOPS_FILE}, {folder / STOPS_FIGURE}, {folder / STOPS_FOLDER}")
     stoppable = longest is None or _print_longest(found, longest)
     certified = not written or _print_written(written)
     return 0 if stoppable and certified else 1

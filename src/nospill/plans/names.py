@@ -10,14 +10,26 @@ APPROACH_FILE = "approach.csv"
 CERTIFICATE_FILE = "certificate.json"
 SUMMARY_FILE = "summary.json"
 FIGURES_FOLDER = "figures"
+STOPS_FILE, STOPS_FIGURE, STOPS_FOLDER = "stops.json", "stops.png", "stops"
 CYCLE_FILE = "cycle.json"
 LEGS_FOLDER = "legs"
 
 _CONTROLLER_FILES = {exporter.plan_file for exporter in EXPORTERS.values() if exporter.plan_file is not None}
 PLAN_NAMES = frozenset(
-    {SCENARIO_FILE, TRAJECTORY_FILE, APPROACH_FILE, CERTIFICATE_FILE, SUMMARY_FILE, FIGURES_FOLDER, *_CONTROLLER_FILES}
+    {
+        SCENARIO_FILE,
+        TRAJECTORY_FILE,
+        APPROACH_FILE,
+        CERTIFICATE_FILE,
+        SUMMARY_FILE,
+        FIGURES_FOLDER,
+        STOPS_FILE,
+        STOPS_FIGURE,
+        STOPS_FOLDER,
+        *_CONTROLLER_FILES,
+    }
 )
-"""What a plan folder may hold."""
+"""What a plan folder may hold; stops go with the plan that they are of."""
 
 
 def is_plan_folder(names: set[str]) -> bool:

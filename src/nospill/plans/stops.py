@@ -17,8 +17,6 @@ from nospill.motion.interpolation import JointSamples
 from nospill.motion.trajectory import Trajectory
 
 _VERBS = {Lift.name: "lifts", Slip.name: "slides", Tip.name: "tips", Twist.name: "turns"}
-STOPS_FILE = "stops.json"
-"""In a plan folder: the table."""
 _FEW = 2
 """Objects that are named; more are counted."""
 

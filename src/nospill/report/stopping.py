@@ -6,8 +6,8 @@ from pathlib import Path
 
 from nospill.core.files import parsed_json
 from nospill.errors import PlanFolderError
+from nospill.plans.names import STOPS_FILE
 from nospill.plans.plan import Plan
-from nospill.plans.stops import STOPS_FILE
 from nospill.plots.text_pages import TextTable
 
 _TITLE = "If it is stopped"

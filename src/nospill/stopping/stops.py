@@ -14,9 +14,10 @@ from nospill.compiled.codegen import compiles_afterwards
 from nospill.core.files import atomic_folder, atomic_text
 from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
+from nospill.plans.names import STOPS_FILE, STOPS_FOLDER
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState, require_known_joints, states_of
-from nospill.plans.stops import STOPS_FILE, Stop, Stops, file_of
+from nospill.plans.stops import Stop, Stops, file_of
 from nospill.robots.robot import Robot
 from nospill.stopping.controller import braked, slowed_to_rest
 from nospill.stopping.later import sooner_by_waiting
@@ -27,8 +28,6 @@ EVERY = 0.02
 """s; from how many instants a stop is looked for."""
 SLOWING = 0.25
 """s; in which a controller scales time to zero, and a joint whose acceleration nobody limits stops from full speed."""
-LIBRARY = "stops"
-"""In a plan folder: the folder with the samples of every stop that was solved."""
 _AFRESH = 5
 """At every so many instants a stop is looked for from afar too."""
 _SHORTEST_LEFT = 0.06
@@ -135,7 +134,7 @@ def write_stops(found: Stops, plan: Plan, folder: str | Path) -> None:
         PlanFolderError: the disk refuses.
     """
     place = Path(folder)
-    with atomic_folder(place / LIBRARY, replaceable=_is_library) as new:
+    with atomic_folder(place / STOPS_FOLDER, replaceable=_is_library) as new:
         for stop in found.stops:
             if stop.is_sooner:
                 EXPORTERS["csv"].write(stop.trajectory.joint_samples, plan.scene, new / file_of(stop))
