@@ -37,7 +37,7 @@ _LINE_LETTERS = 178
 """Of what is on the tray and of the line below the verdict beside it."""
 _NOTE_LETTERS = 150
 """Of what the full model sees."""
-_SURVIVES_LETTERS, _SURVIVES_LINE = 340, 92
+_SURVIVES_LETTERS, _SURVIVES_LINE = 190, 80
 """Of what the motion survives of its arm, and of a line of it, below the path."""
 _MOST_LIMITS = 7
 """Rows of the panel of limits."""
@@ -79,8 +79,8 @@ def _draw_heading(figure: Figure, evidence: Evidence) -> None:
     else:
         left += "an empty tray"
     figure.text(0.03, 0.939, left, size=8.5, va="top")
-    if evidence.plan.survival_text:
-        text = textwrap.fill(plain(evidence.plan.survival_text, _SURVIVES_LETTERS), _SURVIVES_LINE)
+    if (survival := evidence.plan.maxima.survival) is not None and survival.text:  # what the arm is known for: no space
+        text = textwrap.fill(plain(survival.text, _SURVIVES_LETTERS), _SURVIVES_LINE)
         figure.text(0.048, 0.352, text, size=6.5, va="top")
     rows = certificate.rows
     # Which numbers are worst stands in the certificate; here there is no space for it.
