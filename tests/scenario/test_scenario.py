@@ -127,8 +127,8 @@ def test_defaults() -> None:
     assert np.array_equal(scene.tray.tool.position, [0, 0, 0])
     assert scene.cargo[0].friction_reserve == 0.1 and scene.cargo[0].friction == 0.4
     assert scene.cargo[0].footprint_reserve == 0.05
-    filling = one(CUP).filling
-    assert filling is not None and filling.max_slosh_height == pytest.approx(0.9 * 0.0501)  # a tenth below the rim
+    filling = one(CUP | {"height": 0.06}).filling
+    assert filling is not None and filling.max_slosh_height == pytest.approx(0.9 * 0.011)  # a tenth below the rim
 
 
 def test_numbers_are_read_only() -> None:

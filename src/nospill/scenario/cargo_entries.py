@@ -110,7 +110,7 @@ class CargoTable(Table):
         Measured(dimension="length", kind="size", above=0.0, at_most=10.0),
         Field(
             description="how far the surface may rise above its rest level; to the rim less freeboard_reserve when not "
-            "given"
+            "given; at full fidelity at most to where waves break, g/omega_1^2"
         ),
     ] = default(None)
     freeboard_reserve: Annotated[

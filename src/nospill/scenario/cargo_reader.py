@@ -235,6 +235,8 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         contact_angle=angle,
         lid=entry.lid,
     )
+    if fidelity == "full" and not entry.lid:
+        filling = dataclasses.replace(filling, max_slosh_height=min(limit, filling.breaking_height))
     return filling if entry.initial_swing is None else _swinging(filling, entry.initial_swing.whole, fidelity)
 
 

@@ -158,7 +158,11 @@ def require_swing(cargo: Cargo, fidelity: Fidelity) -> None:
             crest_text, most = (
                 format_quantity(length, "length", digits=4) for length in (crest, filling.max_slosh_height)
             )
+            breaks = filling.max_slosh_height >= filling.breaking_height
+            limit, more = (
+                ("the height at which waves break,", "") if breaks else ("max_slosh_height", " or raise the limit")
+            )
             raise ScenarioError(
                 f"initial_swing: the surface stands {crest_text} high when the motion begins{off}, above "
-                f"max_slosh_height {most}; wait longer before the motion or raise the limit"
+                f"{limit} {most}; wait longer before the motion{more}"
             )

@@ -68,6 +68,15 @@ class Filling:
         return self.liquid_height - self.floor
 
     @property
+    def breaking_height(self) -> float:
+        """g/omega_1^2 without surface tension, m: where the crest of a standing wave of the slowest mode falls at g.
+
+        0.54 R in a deep cylinder. Higher crests let go of the water below them and break [Penney and Price 1952,
+        Taylor 1953]; no model of waves holds there.
+        """
+        return 1.0 / min(mode.stiffness for mode in self.modes.oscillators)
+
+    @property
     def shallow(self) -> bool:
         """Whether the surface may rise on one side by more than the liquid is deep on the other."""
         return not self.lid and self.max_slosh_height > self.depth

@@ -67,7 +67,7 @@ def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
         "robot.base_position": ["0 m", "0 m", "0 m"],
         "planning": {},
     }
-    assert len(WARNINGS) == 26
+    assert len(WARNINGS) == 27
     assert found(quiet) == {}
 
 
@@ -120,16 +120,25 @@ def test_a_crest_of_second_order_over_its_limit(
 
 
 @pytest.mark.parametrize(
-    ("changes", "left"), [({"max_slosh_height": "45 mm"}, None), ({"max_slosh_height": 0.0455}, 4.6e-3)]
+    ("changes", "left"), [({"max_slosh_height": "13.5 mm"}, None), ({"max_slosh_height": 0.0136}, 1.4e-3)]
 )
 def test_a_limit_too_near_the_rim(found, changes: dict[str, Any], left: float | None) -> None:
-    warnings = found({f"cargo.0.{key}": value for key, value in changes.items()})
+    short = {"cargo.0.height": "64 mm"}
+    warnings = found(short | {f"cargo.0.{key}": value for key, value in changes.items()})
     warning = warnings.get(("distance to the rim", "cup"))
     assert (warning is None) == (left is None)
     if warning is not None:
-        assert warning.value == pytest.approx(left) and warning.limit == pytest.approx(5.01e-3)
-        relaxed = {"cargo.0.max_slosh_height": 0.0455, "cargo.0.freeboard_reserve": "5 %"}
+        assert warning.value == pytest.approx(left) and warning.limit == pytest.approx(1.5e-3)
+        relaxed = short | {"cargo.0.max_slosh_height": 0.0136, "cargo.0.freeboard_reserve": "5 %"}
         assert ("distance to the rim", "cup") not in found(relaxed)
+
+
+@pytest.mark.parametrize(("limit", "warned"), [("19.1 mm", False), ("19.3 mm", True)])
+def test_a_limit_above_the_height_where_waves_break(found, limit: str, warned: bool) -> None:
+    warnings = found({"cargo.cup.max_slosh_height": limit})  # 35 mm/1.8412 and a little more: the cup is not quite deep
+    assert (("breaking", "cup") in warnings) == warned
+    if warned:
+        assert "limited to 19.2 mm, g/omega_1^2" in warnings["breaking", "cup"].text
 
 
 @pytest.mark.parametrize(("crest", "warned"), [(0.008, False), (0.0088, True)])
@@ -177,7 +186,7 @@ def test_surface_tension_is_warned_of_from_two_per_cent_of_the_frequency(found) 
 
 
 def test_a_stated_contact_line_is_warned_of_where_the_other_one_differs(found) -> None:
-    vial = {"radius": "10 mm", "height": "30 mm", "liquid_height": "20 mm", "max_slosh_height": "8 mm"}
+    vial = {"radius": "10 mm", "height": "30 mm", "liquid_height": "23 mm", "max_slosh_height": "5 mm"}
     small = {f"cargo.0.{key}": value for key, value in vial.items()}
     free = found(small | {"cargo.0.contact_line": "free"})
     assert ("surface tension", "cup") not in free
@@ -187,7 +196,7 @@ def test_a_stated_contact_line_is_warned_of_where_the_other_one_differs(found) -
     both = found(small | {"cargo.0.contact_line": "free", "cargo.0.tolerance": {"pinned": True}})
     assert ("contact line", "cup") not in both
     assert ("contact line", "cup") not in found(small | {"cargo.0.contact_line": "pinned"})
-    assert ("meniscus", "cup") not in found(small | {"cargo.0.contact_line": "free", "cargo.0.liquid_height": "19 mm"})
+    assert ("meniscus", "cup") not in found(small | {"cargo.0.contact_line": "free", "cargo.0.liquid_height": "22 mm"})
     assert free["contact angle", "cup"].value == pytest.approx(1.0 - 7.04 / 7.56, abs=0.01)
     stated = found(small | {"cargo.0.contact_line": "free", "cargo.0.contact_angle": "60 deg"})
     assert ("contact angle", "cup") not in stated and ("meniscus", "cup") not in stated

@@ -20,6 +20,7 @@ from nospill.plans.warnings.arm import (
 from nospill.plans.warnings.controller import behind_the_command, deviation_from_command
 from nospill.plans.warnings.fallbacks import fallback
 from nospill.plans.warnings.liquids import (
+    breaking,
     contact_angle,
     contact_line,
     crest,
@@ -45,6 +46,7 @@ WARNINGS: tuple[Warn, ...] = (
     fallback,
     doubts,
     crest,
+    breaking,
     driven_by_turns,
     sloping_wall,
     distance_to_the_rim,

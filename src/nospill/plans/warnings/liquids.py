@@ -74,6 +74,18 @@ def crest(facts: Facts) -> Iterator[PlanWarning]:
             yield PlanWarning("crest", cargo.name, text, value, limit)
 
 
+def breaking(facts: Facts) -> Iterator[PlanWarning]:
+    """The scenario allows waves that break; the limit is where they begin to, which the reader has put in its place."""
+    for cargo, filling in _fillings(facts):
+        limit = filling.breaking_height
+        if facts.scene.fidelity == "full" and not filling.lid and filling.max_slosh_height == limit:
+            text = (
+                f"the slosh height is limited to {_mm(limit)}, g/omega_1^2, where waves begin to break: "
+                "max_slosh_height or the freeboard is more, and no slosh model holds there."
+            )
+            yield PlanWarning("breaking", cargo.name, text, limit, limit)
+
+
 def driven_by_turns(facts: Facts) -> Iterator[PlanWarning]:
     """The second order is much more than the first: turns of the tray drive it, and what comes next is not small."""
     for row in facts.judgement.certificate.rows:
