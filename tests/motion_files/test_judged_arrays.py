@@ -90,6 +90,8 @@ def test_what_is_no_motion_is_refused_by_what_it_is(plan: ns.Plan) -> None:
         assert "\n" not in str(error.value)
     with pytest.raises(ns.ScenarioError, match="judge takes a Scene"):
         ns.judge(good, "matrix-liquid")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ns.ScenarioError, match='base_yaw = "free" is for the planner to choose'):
+        ns.judge(good, plan.scene.changed({"robot.base_yaw": "free"}))
 
 
 def test_limits_of_ones_own_are_judged_and_have_histories(plan: ns.Plan) -> None:

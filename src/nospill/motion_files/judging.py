@@ -26,6 +26,7 @@ from nospill.motion_files.points import MotionFile, motion_of
 from nospill.motion_files.reading import read_motion
 from nospill.motion_files.receivers import interpolation_of, receiver_named, usual_receiver
 from nospill.motion_files.record import recorded
+from nospill.path_search.base_yaw import has_free_base
 from nospill.paths.joint_arrays import named_arrays
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.records import GIVEN, PlanningReport
@@ -142,11 +143,17 @@ def judge(
         rows_per_second: of a table without times.
 
     Raises:
-        ScenarioError: no scene, no motion of this arm, or points that the receiver does not take.
+        ScenarioError: no scene, one whose base may turn, no motion of this arm, or points that the receiver does not
+            take.
         ModelError: the liquids cannot be integrated.
     """
     if not isinstance(scene, Scene):
         raise ScenarioError(f"judge takes a Scene, as ns.load gives it, not a value of type {type(scene).__name__}")
+    if has_free_base(scene):
+        raise ScenarioError(
+            f'{scene.name}: base_yaw = "free" is for the planner to choose; a motion is judged at one, for example '
+            'base_yaw = "0 deg"'
+        )
     require_rate(rate)
     file = _read(motion, scene, unit, rows_per_second)
     chosen = usual_receiver(file.samples) if receiver is None else receiver_named(receiver)
