@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.layouts import search
 from nospill.layouts.record import Layout
 from nospill.layouts.search import layout
 from nospill.layouts.spacing import Spacing
 from nospill.layouts.variables import variables_of
+from nospill.planning import varied
 from nospill.planning.planner import Planner
+from nospill.planning.varied import Varied
 from nospill.scenario import load
 from nospill.scenario.layout import layout_faults, overlap
 from nospill.scene.scene import Scene
@@ -51,8 +52,7 @@ class Law:
 
 def by_law(monkeypatch: pytest.MonkeyPatch, free: dict[str, Any], *, wall: float = np.inf, **options: Any) -> Layout:
     planner = type("OfTest", (Law,), {"wall": wall})
-    monkeypatch.setattr(search, "Planner", planner)
-    monkeypatch.setattr(search, "plan", lambda scene: planner().plan(scene))
+    monkeypatch.setattr(varied, "Planner", planner)
     pair = load("matrix-liquid").changed({"cargo.c3": None, "cargo.c4": None})
     return layout(pair, free, **options)
 
@@ -139,8 +139,8 @@ def test_nothing_planned_foretells_nothing() -> None:
 
 def test_distances_and_their_slopes_of_discs_are_those_of_geometry() -> None:
     scene = load("matrix-liquid")
-    variables = variables_of(scene, {"cargo.c1.at": None})
-    spacing = Spacing(scene, variables)
+    variables = variables_of(Varied(scene), {"cargo.c1.at": None})
+    spacing = Spacing(Varied(scene), variables)
     at = np.array([0.01, -0.02])
     others = {item.name: item.position for item in scene.cargo if item.name != "c1"}
     expected = [np.linalg.norm(at - place) - 2 * RADIUS for place in others.values()]

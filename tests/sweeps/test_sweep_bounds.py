@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nospill.errors import NoSolutionError, ScenarioError
+from nospill.planning import varied
 from nospill.planning.planner import plan
 from nospill.plans.plan import Plan
 from nospill.scenario import load
 from nospill.scenario.settings import stated_value
-from nospill.sweeps import varied
 from nospill.sweeps.bounds import Bound, largest
 from tests.cli.commands import nospill
 

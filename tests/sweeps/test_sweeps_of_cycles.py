@@ -5,11 +5,12 @@ from __future__ import annotations
 import pytest
 
 import nospill as ns
+from nospill.planning.varied import varied_from_text
 from nospill.sweeps.bounds import largest
 from nospill.sweeps.definition import define_sweep
+from nospill.sweeps.figures import CYCLE_FIGURES
 from nospill.sweeps.planning_process import PointPlanner
 from nospill.sweeps.points import PLANNED
-from nospill.sweeps.varied import CYCLE_FIGURES, varied_from_text
 from tests.cycles import small_plan, there_and_back
 
 

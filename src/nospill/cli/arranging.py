@@ -1,4 +1,4 @@
-"""layout: where objects, tray and arm had best stand for the shortest certified motion."""
+"""layout: where objects, tray and arm had best stand for the shortest motion or cycle, or the largest margin."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from nospill.cli.run_options import PlanOutput, Settings
 from nospill.cli.tables import print_lines, print_table, print_verdict
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
-    from nospill.layouts.record import Layout
-    from nospill.scene.scene import Scene
+    from nospill.layouts.record import Layout, Trial
+    from nospill.planning.varied import Varied
 
 
 def layout(
@@ -30,33 +30,44 @@ def layout(
             show_default=False,
         ),
     ],
-    plans: Annotated[int, typer.Option("--plans", min=1, help="How many layouts are planned.")] = 30,
+    within: Annotated[
+        str | None,
+        typer.Option(
+            "--within",
+            metavar="TIME",
+            help='Seek the largest margin of liquids and contacts within this time, as "2.2 s".',
+            show_default="the shortest motion",
+        ),
+    ] = None,
+    plans: Annotated[
+        int,
+        typer.Option("--plans", min=1, help="How many layouts are planned, each once, with --within up to 6 times."),
+    ] = 30,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the random starts.")] = 0,
     settings: Settings = None,
     output: PlanOutput = None,
 ) -> int:
-    """Find the places of objects, tray or arm with the shortest certified motion."""
+    """Find the places of objects, tray or arm with the shortest certified motion or cycle, or the largest margin."""
     with ProgressLine() as progress:
         from nospill.core.files import require_replaceable
         from nospill.layouts.search import layout
-        from nospill.plans.names import is_plan_folder
-        from nospill.scenario import read_scenario
+        from nospill.planning.varied import varied
+        from nospill.plans.names import holds_a_plan
 
         if output is not None:
-            require_replaceable(output, replaceable=is_plan_folder)
-        scene = read_scenario(scenario, settings=settings or ())
+            require_replaceable(output, replaceable=holds_a_plan)
+        base = varied(scenario, settings=settings or ())
         found = layout(
-            scene,
+            base,
             dict(map(_range, free)),
+            within=within,
             plans=plans,
             seed=seed,
-            progress=lambda trial: progress.say(
-                "layouts", "no motion" if trial.duration is None else f"{trial.duration:.3f} s"
-            ),
+            progress=lambda trial: progress.say("layouts", _told(trial)),
         )
         if output is not None:
-            found.plan.with_second_looks().save(output, extra=lambda folder: _draw(scene, found, folder))
-    _print(scene, found)
+            _save(base, found, output)
+    _print(base, found)
     if output is not None:
         print_lines(f"written to {output}", f"look: {output / 'figures' / 'layout.png'}")
     print_verdict(found.text, ok=True)
@@ -71,22 +82,44 @@ def _range(text: str) -> tuple[str, Any]:
     return key.strip(), value_from_text(value.strip()) if equals else None
 
 
-def _draw(scene: Scene, found: Layout, folder: Path) -> None:
+def _told(trial: Trial) -> str:
+    if trial.duration is None:
+        return "no motion"
+    return f"{trial.duration:.3f} s" if trial.reserve is None else f"margin {trial.reserve:.1%}, {trial.duration:.3f} s"
+
+
+def _save(base: Varied, found: Layout, folder: Path) -> None:
+    from nospill.plans.cycle import CyclePlan
+
+    plan = found.plan.with_second_looks()
+    if isinstance(plan, CyclePlan):
+        plan.save(folder, figures=lambda place: _draw(base, found, place))
+        return
+    plan.save(folder, extra=lambda place: _draw(base, found, place / "figures"))
+
+
+def _draw(base: Varied, found: Layout, figures: Path) -> None:
+    from nospill.plans.cycle import CyclePlan
     from nospill.plots.layouts import save_layout
 
-    before = None if found.before is None else found.before.duration
-    (folder / "figures").mkdir(exist_ok=True)
-    durations = [trial.duration for trial in found.tried]
-    save_layout((scene, before), (found.plan.scene, found.plan.duration), durations, folder / "figures" / "layout.png")
+    figures.mkdir(exist_ok=True)
+    scene = found.plan.legs[0].scene if isinstance(found.plan, CyclePlan) else found.plan.scene
+    if found.within is None:
+        before, after = None if found.before is None else found.before.duration, found.plan.duration
+        tried = [trial.duration for trial in found.tried]
+    else:
+        before, after, tried = found.margin_before, found.margin, [trial.reserve for trial in found.tried]
+    stated, best, sought = (base.scenes[0], before), (scene, after), found.within is not None
+    save_layout(stated, best, tried, figures / "layout.png", margin=sought)
 
 
-def _print(scene: Scene, found: Layout) -> None:
+def _print(base: Varied, found: Layout) -> None:
     from nospill.core.units import as_written
     from nospill.scenario.settings import stated_value
 
     if found.values:
         rows = [
-            (key, as_written(stated_value(scene.source, key)), as_written(value)) for key, value in found.values.items()
+            (key, as_written(stated_value(base.table, key)), as_written(value)) for key, value in found.values.items()
         ]
         print_table(("key", "as stated", "best, SI"), rows)
     for key, why in found.stuck.items():

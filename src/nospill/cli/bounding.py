@@ -40,10 +40,10 @@ def largest(
     """Find the largest value of a number whose motion or cycle is certified and takes at most so long."""
     with ProgressLine() as progress:
         from nospill.core.files import require_replaceable
+        from nospill.planning.varied import varied
         from nospill.plans.cycle import CyclePlan
         from nospill.plans.names import holds_a_plan
         from nospill.sweeps.bounds import largest
-        from nospill.sweeps.varied import varied
 
         if output is not None:
             require_replaceable(output, replaceable=holds_a_plan)

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from nospill.layouts.margins import margin_of
+from nospill.plans.cycle import CyclePlan
 from nospill.plans.plan import Plan
 
 
@@ -18,12 +20,14 @@ class Trial:
         start: from which of the starts the search came there; 0 is the scenario as stated.
         duration: of the certified motion, s; None where there is none.
         why_not: why there is none, one sentence; empty where there is one.
+        reserve: part of the limits on liquids and contacts that it keeps back, where the largest margin is sought.
     """
 
     values: Mapping[str, Any]
     start: int
     duration: float | None
     why_not: str
+    reserve: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,18 +35,21 @@ class Layout:
     """The best layout that was found.
 
     Attributes:
-        before: the plan of the scenario as stated; None where it has no certified motion.
-        plan: that of the best layout, certified; its scene is the layout.
+        before: the plan of the scenario as stated, with its own largest margin where that is sought; None where it has
+            no certified motion, or none within the time.
+        plan: that of the best layout, certified; its scene (of a cycle its cycle) is the layout.
         values: key of the scenario -> value in it, SI.
         tried: every layout that was planned, in their order.
         stuck: key -> why it could not be moved either way from a layout, one sentence: steps from there leave it.
+        within: s, within which the largest margin was sought; None where the shortest motion was.
     """
 
-    before: Plan | None
-    plan: Plan
+    before: Plan | CyclePlan | None
+    plan: Plan | CyclePlan
     values: Mapping[str, Any]
     tried: tuple[Trial, ...]
     stuck: Mapping[str, str] = field(default_factory=dict)
+    within: float | None = None
 
     @property
     def gained(self) -> float | None:
@@ -50,11 +57,26 @@ class Layout:
         return None if self.before is None else self.before.duration - self.plan.duration
 
     @property
+    def margin(self) -> float | None:
+        """The part of its limits on liquids and contacts that the plan leaves at least; None where it has none."""
+        return margin_of(self.plan)
+
+    @property
+    def margin_before(self) -> float | None:
+        """The same of the scenario as stated."""
+        return None if self.before is None else margin_of(self.before)
+
+    @property
     def text(self) -> str:
         """The answer in one sentence."""
-        found = f"best layout of {len(self.tried)} planned: {self.plan.duration:.3f} s, certified"
+        least = "" if self.within is None or self.margin is None else f"margin {self.margin:.1%} in "
+        found = f"best layout of {len(self.tried)} planned: {least}{self.plan.duration:.3f} s, certified"
         if self.before is None or self.gained is None:
-            return f"{found}; as stated there is no certified motion"
+            return f"{found}; as stated there is no certified motion{'' if self.within is None else ' within the time'}"
+        if self.within is not None:
+            if not self.values or self.margin_before is None:
+                return f"{found}; none leaves more than as stated"
+            return f"{found}; {self.margin_before:.1%} as stated"
         if not self.values:
             return f"{found}; none is shorter than as stated"
         return (

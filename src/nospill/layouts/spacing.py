@@ -8,24 +8,27 @@ from itertools import combinations
 
 import numpy as np
 
-from nospill.layouts.variables import Variables
+from nospill.layouts.variables import Variables, cargo_of
+from nospill.planning.varied import Varied
 from nospill.scenario.layout import overhang, overlap
 from nospill.scene.cargo import Cargo
-from nospill.scene.scene import Scene
 
 _STEP = 1e-6
 """m, of the derivatives: distances are linear but at corners."""
 
 
 class Spacing:
-    """Distances that a layout must keep: of each object that moves to the edge, and to every other object."""
+    """Distances that a layout must keep: of each object that moves to the edge, and to every other one beside it."""
 
-    def __init__(self, base: Scene, variables: Variables) -> None:
-        self._tray, self._variables = base.tray, variables
-        self._cargo = {item.name: item for item in base.cargo if not item.carrier}
+    def __init__(self, base: Varied, variables: Variables) -> None:
+        self._tray, self._variables = base.scenes[0].tray, variables
+        self._cargo = {name: item for name, item in cargo_of(base).items() if not item.carrier}
+        together = [{item.name for item in scene.cargo} for scene in base.scenes]
         self._moving = [name for name in self._cargo if name in variables.places]
         self._pairs = [
-            pair for pair in combinations(self._cargo, 2) if any(name in self._moving for name in pair)
+            pair
+            for pair in combinations(self._cargo, 2)
+            if any(name in self._moving for name in pair) and any(names.issuperset(pair) for names in together)
         ]  # what stands in a carrier goes with it
 
     def distances(self, values: np.ndarray) -> np.ndarray:

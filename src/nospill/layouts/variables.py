@@ -13,10 +13,11 @@ from nospill.errors import ScenarioError
 from nospill.path_search.base_yaw import has_free_base
 from nospill.path_search.candidates import has_free_path
 from nospill.path_search.end_yaws import free_ends
+from nospill.planning.varied import Varied
 from nospill.scenario.layout import footprint_core
 from nospill.scenario.settings import stated_value
 from nospill.scene.cargo import Cargo
-from nospill.scene.scene import Scene
+from nospill.scene.cycle import Cycle
 
 PLACE, EVERY_PLACE = "at", "cargo.*.at"
 """Last part of the key that says where an object stands on the tray, and the key of all of them."""
@@ -60,11 +61,11 @@ class Variables:
         return {key: numbers if len(numbers) > 1 else numbers[0] for key, numbers in found.items()}
 
 
-def variables_of(base: Scene, free: Mapping[str, Any]) -> Variables:
+def variables_of(base: Varied, free: Mapping[str, Any]) -> Variables:
     """The numbers that may change.
 
     Args:
-        base: the scene.
+        base: the scenario.
         free: dotted key -> its least and its greatest value, each a number or a list of them, as in the file. The place
             of an object, "cargo.c1.at" or "cargo.*.at", may have None: anywhere on the tray.
 
@@ -74,7 +75,7 @@ def variables_of(base: Scene, free: Mapping[str, Any]) -> Variables:
     expanded: dict[str, Any] = {}
     for key, ends in free.items():
         if key == EVERY_PLACE:
-            movable = (item.name for item in base.cargo if not item.carrier)
+            movable = [name for name, item in cargo_of(base).items() if not item.carrier]
             expanded |= {f"cargo.{name}.{PLACE}": ends for name in movable if _is_stated(base, f"cargo.{name}.{PLACE}")}
         else:
             expanded[key] = ends
@@ -82,16 +83,19 @@ def variables_of(base: Scene, free: Mapping[str, Any]) -> Variables:
         raise ScenarioError(
             "a layout without anything that may change; name a key, as cargo.*.at or robot.base_position"
         )
-    if base.motion.duration is not None:
-        raise ScenarioError("motion.duration is stated, so that the motion takes as long in every layout; leave it out")
-    if has_free_base(base):
+    if any(scene.motion.duration is not None for scene in base.scenes):
+        raise ScenarioError(
+            "motion.duration is stated, so that the motion takes as long in every layout; leave it out, and give "
+            "--within TIME (from Python within=) for the layout with the largest margin in that time"
+        )
+    if any(map(has_free_base, base.scenes)):
         raise ScenarioError(
             'robot.base_yaw = "free" is chosen anew for every layout; state an angle, and let robot.base_yaw change '
             "between two values"
         )
-    if ends := free_ends(base):
+    if ends := [end for scene in base.scenes for end in free_ends(scene)]:
         raise ScenarioError(f'path.{ends[0]}.yaw = "free" is chosen anew for every layout; state an angle')
-    if has_free_path(base) and (moved := next((key for key in expanded if key.startswith("path.")), None)):
+    if moved := next((key for key in expanded if _is_end_of_free_path(base, key)), None):
         raise ScenarioError(
             f"{moved}: the ends of a free path are not moved by a layout; try values with nospill sweep"
         )
@@ -100,27 +104,40 @@ def variables_of(base: Scene, free: Mapping[str, Any]) -> Variables:
     return Variables(tuple(row[0] for row in rows), low, high, stated, tuple(row[4] for row in rows))
 
 
-def _is_stated(base: Scene, key: str) -> bool:
+def cargo_of(base: Varied) -> dict[str, Cargo]:
+    """Everything that ever stands on the tray, by name."""
+    return {item.name: item for scene in base.scenes for item in scene.cargo}
+
+
+def _is_end_of_free_path(base: Varied, key: str) -> bool:
+    """Whether a key is of a path that is looked for anew in every layout."""
+    if isinstance(base.task, Cycle):
+        leg = next((leg for leg in base.task.legs if key.startswith(f"leg.{leg.name}.path.")), None)
+        return leg is not None and has_free_path(leg.scene)
+    return key.startswith("path.") and has_free_path(base.task)
+
+
+def _is_stated(base: Varied, key: str) -> bool:
     try:
-        stated_value(base.source, key)
+        stated_value(base.table, key)
     except ScenarioError:
         return False
     return True
 
 
-def _rows(base: Scene, key: str, ends: Any) -> list[tuple[str, float, float, float, str]]:
+def _rows(base: Varied, key: str, ends: Any) -> list[tuple[str, float, float, float, str]]:
     """Of each number of a key: the key, its bounds, its value and the object that it places."""
     if not _is_stated(base, key):
         raise ScenarioError(
             f"{key}: the scenario states no value there to start from; state one, as by --set {key}=..."
         )
-    stated = _numbers(key, stated_value(base.source, key))
+    stated = _numbers(key, stated_value(base.table, key))
     placed = _placed(base, key)
     if ends is None:
         if placed is None:
             raise ScenarioError(f"{key}: needs a least and a greatest value; only the place of an object goes without")
         reach = np.max(np.abs(footprint_core(placed) - placed.position), axis=0) + placed.container.footprint.rounding
-        high = base.tray.size / 2 - reach - (placed.tolerance.position if placed.tolerance else 0.0)
+        high = base.scenes[0].tray.size / 2 - reach - (placed.tolerance.position if placed.tolerance else 0.0)
         low = -high
     else:
         if isinstance(ends, str) or not isinstance(ends, Sequence | np.ndarray) or len(ends) != 2:
@@ -143,15 +160,15 @@ def _rows(base: Scene, key: str, ends: Any) -> list[tuple[str, float, float, flo
     return list(zip([key] * len(stated), low, high, stated, [name] * len(stated), strict=True))
 
 
-def _placed(base: Scene, key: str) -> Cargo | None:
+def _placed(base: Varied, key: str) -> Cargo | None:
     """The object on the tray whose place a key says."""
     parts = key.split(".")
     if len(parts) != 3 or parts[0] != "cargo" or parts[2] != PLACE:
         return None
-    named = {item.name: item for item in base.cargo if not item.carrier}
-    entry = parts[1]
+    named = {name: item for name, item in cargo_of(base).items() if not item.carrier}
+    entry, entries = parts[1], base.table["cargo"]
     if entry.isdigit() and entry not in named:
-        entry = str(base.source["cargo"][int(entry)].get("name", "")) if int(entry) < len(base.source["cargo"]) else ""
+        entry = str(entries[int(entry)].get("name", "")) if int(entry) < len(entries) else ""
     return named.get(entry)
 
 

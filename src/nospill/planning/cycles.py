@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from nospill.certification.certificate import judge
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.motion.holds import hold_periods
 from nospill.planning.log import OnProgress
-from nospill.planning.planner import plan
+from nospill.planning.planner import Planner
 from nospill.plans.cycle import CyclePlan, planned_cycle
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.rows import with_residual_slosh
@@ -49,18 +50,26 @@ def plan_cycle(
         NoSolutionError: a leg has no motion; names it and what is in the way.
         MissingExtraError: as for `plan`.
     """
-    task = cycle if isinstance(cycle, Cycle) else load_cycle(cycle)
+    return CyclePlanner(warm).plan(cycle, progress=progress, said=said)
+
+
+def _planned_cycle(
+    task: Cycle,
+    planners: Mapping[str, Planner],
+    progress: OnProgress | None,
+    said: Callable[[str], None] | None,
+) -> CyclePlan:
+    """`plan_cycle`, each leg by the planner of its name."""
     plans: list[Plan] = []
-    earlier = {} if warm is None else {leg.name: own for leg, own in zip(warm.cycle.legs, warm.legs, strict=True)}
     for index, leg in enumerate(task.legs):
         if said is not None:
             said(leg.name)
         first = plans[0] if index == len(task.legs) - 1 else None
         if plans and task.legs[index - 1].dwell is None:
-            plans[-1:] = _after_shortest_dwell(leg, plans[-1], first, earlier.get(leg.name), progress)
+            plans[-1:] = _after_shortest_dwell(leg, plans[-1], first, planners[leg.name], progress)
         else:
             before = plans[-1] if plans else None
-            plans.append(_planned(leg, before, first, earlier.get(leg.name), progress))
+            plans.append(_planned(leg, before, first, planners[leg.name], progress))
     if task.legs[-1].dwell is None:  # what comes next begins with fresh liquids
         plans[-1] = _dwelling(plans[-1], _until_settled(plans[-1], task.legs[-1]))
     dwells = [one.scene.motion.hold_after for one in plans]
@@ -68,27 +77,55 @@ def plan_cycle(
 
 
 class CyclePlanner:
-    """Plans cycle after cycle, each leg from the one of the same name in the cycle before."""
+    """Plans cycle after cycle, each leg from the one of the same name in the cycle before.
+
+    Not thread-safe: one per thread. A copy by `copy.copy` goes on by itself.
+    """
 
     def __init__(self, last: CyclePlan | None = None) -> None:
         """Start with nothing, or with an earlier plan."""
         self.last = last
+        known = () if last is None else zip(last.cycle.legs, last.legs, strict=True)
+        self._planners = {leg.name: Planner(own) for leg, own in known}
 
-    def plan(self, cycle: Cycle | ScenarioSource) -> CyclePlan:
+    def plan(
+        self,
+        cycle: Cycle | ScenarioSource,
+        *,
+        progress: OnProgress | None = None,
+        said: Callable[[str], None] | None = None,
+    ) -> CyclePlan:
         """`plan_cycle(cycle)`, warm from the last plan; raises the same."""
-        self.last = plan_cycle(cycle, warm=self.last)
+        task = cycle if isinstance(cycle, Cycle) else load_cycle(cycle)
+        planners = {leg.name: copy.copy(self._planners.get(leg.name, Planner())) for leg in task.legs}
+        self.last = _planned_cycle(task, planners, progress, said)
+        self._planners = planners
         return self.last
+
+    def duration_change(self, cycle: Cycle) -> float:
+        """Seconds by which the last cycle would be longer in another one, to the first order; no motion is planned.
+
+        The sum over its legs of `Planner.duration_change`. Each is taken to begin with the swing and in the joints that
+        the leg before it leaves now: what a change does to a leg's swing at its end, and by it to the next leg, does
+        not count, nor does a dwell.
+
+        Raises:
+            ScenarioError: no cycle was planned here yet, or this one has other legs, objects, liquids or rules.
+        """
+        if self.last is None or [leg.name for leg in cycle.legs] != list(self._planners):
+            raise ScenarioError(f"{cycle.name}: no cycle of these legs was planned before; call plan first")
+        return sum(self._planners[leg.name].duration_change(leg.scene) for leg in cycle.legs)
 
 
 def _planned(
-    leg: CycleLeg, before: Plan | None, first: Plan | None, warm: Plan | None, progress: OnProgress | None
+    leg: CycleLeg, before: Plan | None, first: Plan | None, planner: Planner, progress: OnProgress | None
 ) -> Plan:
     """The plan of a leg after another one; `first` is that of the first leg, where this is the last."""
     swings = False
     try:
         scene = leg.scene if before is None else with_residual_slosh(leg.scene, before)
         swings = any(item.filling is not None and item.filling.initial_swing is not None for item in scene.cargo)
-        return plan(scene if first is None else _back_to(first, scene), warm=warm, progress=progress)
+        return planner.plan(scene if first is None else _back_to(first, scene), progress=progress)
     except (ScenarioError, NoSolutionError) as error:
         helps = f" {_CURE}" if swings and isinstance(error, NoSolutionError) else ""
         raise type(error)(f'leg "{leg.name}": {error}{helps}', error.reason) from error
@@ -102,14 +139,14 @@ def _back_to(first: Plan, scene: Scene) -> Scene:
 
 
 def _after_shortest_dwell(
-    leg: CycleLeg, before: Plan, first: Plan | None, warm: Plan | None, progress: OnProgress | None
+    leg: CycleLeg, before: Plan, first: Plan | None, planner: Planner, progress: OnProgress | None
 ) -> list[Plan]:
     """The plan before with the shortest dwell that a leg bears, and the plan of the leg."""
     step = _quarter_period(before.scene)
     for number in range(_MOST_DWELLS + 1):
         waiting = _dwelling(before, number * step)
         try:
-            found = _planned(leg, waiting, first, warm, progress)
+            found = _planned(leg, waiting, first, planner, progress)
         except NoSolutionError:
             if number == _MOST_DWELLS or step == 0.0:
                 raise

@@ -19,48 +19,64 @@ _LETTERS = 8
 
 def save_layout(
     before: tuple[Scene, float | None],
-    after: tuple[Scene, float],
-    durations: Sequence[float | None],
+    after: tuple[Scene, float | None],
+    tried: Sequence[float | None],
     path: str | os.PathLike[str],
+    *,
+    margin: bool = False,
 ) -> None:
     """Draw a layout and write it; the format follows the ending (.png, .pdf, .svg).
 
     Args:
-        before: the scene as stated and its duration, s, None where it has no certified motion.
+        before: the scene as stated and its duration, s, or its margin; None where it has no certified motion.
         after: the same of the best layout.
-        durations: of every layout that was planned, in their order, s; None where it has no certified motion.
+        tried: the same of every layout that was planned, in their order.
         path: of the file.
+        margin: whether the numbers are margins, of which the greatest is best.
 
     Raises:
         ScenarioError: another ending. PlanFolderError: the file cannot be written.
     """
-    save_figure(lambda: layout_figure(before, after, durations), path)
+    save_figure(lambda: layout_figure(before, after, tried, margin=margin), path)
 
 
 def layout_figure(
-    before: tuple[Scene, float | None], after: tuple[Scene, float], durations: Sequence[float | None]
+    before: tuple[Scene, float | None],
+    after: tuple[Scene, float | None],
+    tried: Sequence[float | None],
+    *,
+    margin: bool = False,
 ) -> Figure:
-    """Both trays from above, and below them the durations of all that was planned; arguments as of `save_layout`."""
+    """Both trays from above, and below them what was found of all layouts; arguments as of `save_layout`."""
     figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
     grid = figure.add_gridspec(2, 2, height_ratios=(3, 2))
     panels = [figure.add_subplot(grid[0, column]) for column in range(2)]
-    for axes, (scene, duration), what in zip(panels, (before, after), ("as stated", "best"), strict=True):
+    told, best_of = (_margin, max) if margin else (_seconds, min)
+    for axes, (scene, number), what in zip(panels, (before, after), ("as stated", "best"), strict=True):
         axes.set_aspect("equal")
         draw_tray(axes, scene)
         for cargo in (item for item in scene.cargo if not item.carrier):
             x, y = 1e3 * cargo.position
             axes.text(x, y, cargo.name[:_LETTERS], size=SMALL, ha="center", va="center")
-        axes.set_title(f"{what}: {'no motion' if duration is None else f'{duration:.3f} s'}")
+        axes.set_title(f"{what}: {'no motion' if number is None else told(number)}")
         axes.set_xlabel("x of the tray [mm]")
     panels[0].set_ylabel("y of the tray [mm]")
     axes = figure.add_subplot(grid[1, :])
-    numbers = [index for index, duration in enumerate(durations, start=1) if duration is not None]
-    known = [duration for duration in durations if duration is not None]
+    numbers = [index for index, value in enumerate(tried, start=1) if value is not None]
+    known = [100.0 * value if margin else value for value in tried if value is not None]
     axes.plot(numbers, known, color=GREY, marker="o", markersize=3, linestyle="none", label="planned")
-    best = [min(known[: index + 1]) for index in range(len(known))]
+    best = [best_of(known[: index + 1]) for index in range(len(known))]
     axes.step(numbers, best, where="post", color=BLUE, label="best so far")
     axes.set_xlabel("layouts planned")
-    axes.set_ylabel("duration [s]")
+    axes.set_ylabel("margin [%]" if margin else "duration [s]")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.legend(frameon=False)
     return figure
+
+
+def _seconds(duration: float) -> str:
+    return f"{duration:.3f} s"
+
+
+def _margin(part: float) -> str:
+    return f"margin {part:.1%}"

@@ -16,11 +16,11 @@ import numpy as np
 
 from nospill.core.units import as_written, quantity, split_unit
 from nospill.errors import ScenarioError
+from nospill.planning.varied import Source, Varied, varied
 from nospill.plans.cycle import CyclePlan
 from nospill.plans.plan import Plan
 from nospill.scenario.settings import stated_value
 from nospill.sweeps.trials import OnTrial, Trials, Tried
-from nospill.sweeps.varied import Source, Varied, varied
 
 USUAL_PRECISION = 0.01
 """Part of the value to which it is found."""

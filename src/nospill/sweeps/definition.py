@@ -14,11 +14,12 @@ from nospill.core.files import UnreadableError, bounded_text
 from nospill.core.suggestions import nearest
 from nospill.core.units import as_written, quantity
 from nospill.errors import ScenarioError
+from nospill.planning.varied import Source, Varied, varied
 from nospill.sweeps.axes import Axis, Changes, axes_of, grid, latin_hypercube
 from nospill.sweeps.columns import Column, columns_of
+from nospill.sweeps.figures import figure_names, require_no_own_limits
 from nospill.sweeps.points import Point, point_of
 from nospill.sweeps.processes import Limits
-from nospill.sweeps.varied import Source, Varied, require_no_own_limits, varied
 
 LEAST, GREATEST = "least", "greatest"
 USUAL_GOAL = {"duration_s": LEAST}
@@ -102,7 +103,7 @@ def define_sweep(
     text = scenario.text()
     points = tuple({point.key: point for point in (point_of(text, one) for one in values)}.values())
     plain = SweepDefinition(scenario, parsed, points)
-    known = {*scenario.figures, *plain.short_names.values()}
+    known = {*figure_names(scenario), *plain.short_names.values()}
     derived = columns_of({} if columns is None else columns, known)
     return SweepDefinition(
         scenario,

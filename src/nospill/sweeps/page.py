@@ -15,11 +15,10 @@ from nospill.sweeps.page_parts import SCRIPT, STYLE
 from nospill.sweeps.points import Line
 from nospill.sweeps.record import Sweep
 from nospill.sweeps.run import PLANS_FOLDER
-from nospill.sweeps.varied import VariedCycle, VariedMotion
 
 _HIDDEN = ("key",)
-_LOOK = {VariedMotion: "view", VariedCycle: "check"}
-"""Command for the folder of a plan."""
+_LOOK_AT_MOTION, _LOOK_AT_CYCLE = "view", "check"
+"""Commands for the folder of a plan."""
 
 
 def sweep_page(sweep: Sweep, folder: Path, *, scenario: str, figures: Sequence[str]) -> str:
@@ -33,12 +32,13 @@ def sweep_page(sweep: Sweep, folder: Path, *, scenario: str, figures: Sequence[s
     """
     rows = sweep.rows
     columns = [name for name in rows[0] if name not in _HIDDEN] if rows else []
+    look = _LOOK_AT_CYCLE if sweep.definition.base.is_cycle else _LOOK_AT_MOTION
     data = {
         "columns": columns,
         "rows": [[row[name] for name in columns] for row in rows],
         "axes": [axis.keys[0] for axis in sweep.definition.axes],
         "goal": sweep.definition.goals[0][0],
-        "open": [_opening(line, folder, scenario, _LOOK[type(sweep.definition.base)]) for line in sweep.lines],
+        "open": [_opening(line, folder, scenario, look) for line in sweep.lines],
         "best": None if sweep.best is None else sweep.lines.index(sweep.best),
     }
     title = f"{sweep.definition.base.name}: {sweep.headline}"

@@ -25,10 +25,11 @@ from nospill import __version__
 from nospill.errors import NoSolutionError, NospillError
 from nospill.planning.cycles import CyclePlanner
 from nospill.planning.planner import Planner
+from nospill.planning.varied import finding, planned, varied_from_text
 from nospill.plans.cycle import CyclePlan
 from nospill.plans.plan import Plan
+from nospill.sweeps.figures import figures_of, nearest
 from nospill.sweeps.points import NO_MOTION, PLANNED, REFUSED, UNCERTIFIED
-from nospill.sweeps.varied import figures_of, finding, nearest, planned, varied_from_text
 
 
 class PointPlanner:

@@ -12,6 +12,7 @@ from typing import Any
 from nospill.core.units import in_si
 from nospill.errors import ScenarioError
 from nospill.sweeps.definition import LEAST, SweepDefinition
+from nospill.sweeps.figures import figure_names
 from nospill.sweeps.points import Line
 
 _AGREES = 1e-3
@@ -53,7 +54,7 @@ class Sweep:
             number = in_si(line.values[key])
             if number is not None:
                 known[name] = number
-        figures: dict[str, Any] = {name: line.figures.get(name) for name in self.definition.base.figures}
+        figures: dict[str, Any] = {name: line.figures.get(name) for name in figure_names(self.definition.base)}
         for column in self.definition.columns:
             value = column.value(known) if line.figures else None
             figures[column.name] = value

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from nospill.planning.varied import Source
 from nospill.sweeps.definition import USUAL_AGAIN, USUAL_MEMORY, USUAL_TIME, define_sweep
 from nospill.sweeps.record import Sweep
 from nospill.sweeps.run import OnProgress, run_sweep
-from nospill.sweeps.varied import Source
 
 
 def sweep(

@@ -12,9 +12,9 @@ from nospill.core.units import format_quantity
 from nospill.errors import NoSolutionError, NospillError
 from nospill.planning.cycles import CyclePlanner
 from nospill.planning.planner import Planner
+from nospill.planning.varied import Varied, finding, planned
 from nospill.plans.cycle import CyclePlan
 from nospill.plans.plan import Plan
-from nospill.sweeps.varied import Varied, finding, planned
 
 _STEPS, _GROWTH = (1, 2, 4, 8, 16), 1.15
 """Powers of a factor by which the value of the scenario is changed until the bound lies between: 1.15 to 9.4."""
