@@ -107,6 +107,8 @@ def test_the_multipliers_foretell_what_a_change_brings(changes: dict[str, Any]) 
     planner = Planner()
     first = planner.plan(scene)
     assert planner.duration_change(scene) == 0.0
+    # objects do not feel how the tray is turned on the flange, and no joint is at a limit here
+    assert planner.duration_change(scene.changed({"tray.rotation": [0.02, 0.0, 0.0]})) == pytest.approx(0.0, abs=1e-5)
     foretold = planner.duration_change(scene.changed(changes))
     # to the first order: twice the change is twice the time
     twice = {key: (2 * np.array(value) - np.array(_stated(scene, key))).tolist() for key, value in changes.items()}
