@@ -147,9 +147,10 @@ def _print(found: CyclePlan) -> None:
     print()
     for line in _warnings(found):
         print_lines(f"warning, {line}")
-    cycles, moves = found.cycles_per_hour, found.moves_per_hour
+    cycles, moves, unloaded = found.cycles_per_hour, found.moves_per_hour, found.unloaded_per_hour
+    off = f", {unloaded:.0f} objects taken off an hour" if unloaded else ""
     print_lines(
-        f"cycle: {found.duration:.3f} s; {cycles:.0f} cycles an hour, {moves:.0f} moves an hour",
+        f"cycle: {found.duration:.3f} s; {cycles:.0f} cycles an hour, {moves:.0f} moves an hour{off}",
         found.losses_text,
         found.repeats_text,
     )

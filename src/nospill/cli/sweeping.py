@@ -77,7 +77,10 @@ def sweep(
 
 def _told(report: SweepProgress) -> tuple[str, str]:
     what = "planned from nothing once more" if report.again else "points"
-    left = "" if report.left_s is None else f", {_span(report.left_s)} left"
+    if report.left_s is None:  # neighbours start from the plan at the middle of their group, and come with it
+        left = "; plans that others start from are made anew" if report.done else "; the first group is being planned"
+    else:
+        left = f", {_span(report.left_s)} left"
     return what, f"{report.done} of {report.total}, {report.certified} certified{left}"
 
 

@@ -177,6 +177,11 @@ class CyclePlan:
         return len(self.legs) * self.cycles_per_hour
 
     @property
+    def unloaded_per_hour(self) -> float:
+        """Objects taken off the tray in an hour, likewise."""
+        return sum(len(leg.unloaded) for leg in self.cycle.legs) * self.cycles_per_hour
+
+    @property
     def message(self) -> str:
         """One sentence: the verdict and what it rests on."""
         if self.certificate.ok:
@@ -220,6 +225,7 @@ class CyclePlan:
             "duration_s": self.duration,
             "cycles_per_hour": self.cycles_per_hour,
             "moves_per_hour": self.moves_per_hour,
+            "unloaded_per_hour": self.unloaded_per_hour,
             "wait_s": self.wait if np.isfinite(self.wait) else None,
             "repeats": self.repeats_text,
             "losses": self.losses_text,

@@ -19,7 +19,7 @@ FIGURES = (
     "residual_height_m",
 )
 """Names of the numbers that a motion has in its line."""
-CYCLE_FIGURES = (*FIGURES, "wait_s", "cycles_per_hour", "moves_per_hour")
+CYCLE_FIGURES = (*FIGURES, "wait_s", "cycles_per_hour", "moves_per_hour", "unloaded_per_hour")
 """Those of a cycle: its duration is that of the whole, dwells included; greatest values are those of any leg."""
 
 
@@ -47,7 +47,8 @@ def figures_of(plan: Plan | CyclePlan) -> dict[str, float]:
         "residual_height_m": max((max(item.residual_height.values(), default=0.0) for item in maxima), default=0.0),
     }
     if isinstance(plan, CyclePlan):
-        figures |= {"wait_s": plan.wait, "cycles_per_hour": plan.cycles_per_hour, "moves_per_hour": plan.moves_per_hour}
+        figures |= {name: getattr(plan, name) for name in ("cycles_per_hour", "moves_per_hour", "unloaded_per_hour")}
+        figures["wait_s"] = plan.wait
     return {name: float(value) for name, value in figures.items()}
 
 
