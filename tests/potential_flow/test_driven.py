@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from nospill.potential_flow import driven, rows_at, second_order_states
-from nospill.potential_flow.orders import first_order
+from nospill.potential_flow.driven import recursion
+from nospill.potential_flow.orders import first_order, second_order_sources
 from nospill.potential_flow.solving import two_orders
 from nospill.scene.cargo import Cargo
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
@@ -81,3 +82,25 @@ def test_what_begins_in_a_state_goes_on_as_it_did(cargo: Cargo) -> None:
     assert np.all(largest > 1e-5)
     for order in (0, 1):
         np.testing.assert_allclose(rest[:, order], whole[half:, order], atol=0.01 * largest[order])
+
+
+@pytest.mark.parametrize("liquid", [cup(), tub()], ids=["cup", "box"])
+def test_forms_of_the_modes_that_drive_are_products_at_points(liquid: Cargo) -> None:
+    followed, draws = driven(liquid), np.random.default_rng(3)
+    rows = draws.normal(size=(9, 6)) + np.array([0, 0, 0, 0, 0, 0, 0, 0, STANDARD_GRAVITY])[:, None]
+    first = np.zeros((6, 2, len(followed.terms.stiffness)))
+    first[..., followed.interactions.moved] = 0.01 * draws.normal(size=(6, 2, len(followed.interactions.moved)))
+    expected = second_order_sources(followed.terms, first, rows)
+    found = followed.interactions.sources(first, rows)
+    np.testing.assert_allclose(found, expected, atol=1e-12 * np.max(np.abs(expected)), rtol=0)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 7, 50])
+def test_blocks_of_a_recursion_are_its_steps(count: int) -> None:
+    draws = np.random.default_rng(count)
+    onwards, pushed = draws.normal(size=(count, 2, 2, 3)), draws.normal(size=(count, 2, 3)) + 1j
+    expected = [draws.normal(size=(2, 3)).astype(complex)]
+    for matrix, push in zip(onwards, pushed, strict=True):
+        expected.append(np.einsum("xyl,yl->xl", matrix, expected[-1]) + push)
+    found = recursion(onwards, pushed, expected[0])
+    np.testing.assert_allclose(found, expected, atol=1e-12 * np.max(np.abs(expected)), rtol=0)

@@ -28,6 +28,7 @@ from nospill.certification.tracked_rows import Followed
 from nospill.certification.tracking_band import Band, band_of
 from nospill.certification.verdict import Certificate, Row, Trace, condensed, fullest, worst_row
 from nospill.collisions.pairs import self_collision
+from nospill.core.blas_threads import one_blas_thread
 from nospill.laws.constraints import constrained
 from nospill.laws.constraints.base import EVERYWHERE, Constraint, EvaluationPoint, RowId
 from nospill.laws.slosh.integrate import require_converged
@@ -131,6 +132,7 @@ def judge(
     return judge_motion(trajectory, constrained(scene, constraints), motion=motion, rate=rate)
 
 
+@one_blas_thread()
 def judge_motion(
     trajectory: Trajectory,
     scene: Scene,

@@ -12,12 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from nospill.certification.certificate import judge_motion
+from nospill.certification.carriers import with_liquids_apart
+from nospill.certification.replay import Replay, replay
+from nospill.certification.run import Run, run_of
+from nospill.certification.traces import constraint_traces
+from nospill.certification.verdict import Trace
 from nospill.errors import ModelError
+from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint
 from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.motion.holds import held_trajectory
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo, Tolerance
 from nospill.scene.scene import Scene
+from nospill.scene.tolerances import corner_scenes
 
 OFF = 0.01
 """Relative, of all frequencies of a liquid."""
@@ -48,12 +55,13 @@ class LeftAfterEnd:
         return max(self.linear, self.second_order or 0.0, self.off or 0.0)
 
 
-def left_after_end(trajectory: Trajectory, scene: Scene) -> dict[str, LeftAfterEnd]:
+def left_after_end(trajectory: Trajectory, scene: Scene, played: Replay | None = None) -> dict[str, LeftAfterEnd]:
     """Of every open liquid with a row on its residual height, by object; of the published physics none.
 
     Args:
         trajectory: the record.
         scene: what it must keep to; its own tolerances and range of speeds are left out.
+        played: the replay of the scene as stated, where the motion was judged already.
 
     Raises:
         ModelError: the liquids as stated cannot be integrated.
@@ -69,24 +77,45 @@ def left_after_end(trajectory: Trajectory, scene: Scene) -> dict[str, LeftAfterE
         ),
         tracking=None,
     )
+    run = run_of(held_trajectory(trajectory, scene.motion), scene.controller)
+    stated = played or replay(run.record, asked, motion=run.motion or run.record.motion)
     try:
-        judged = judge_motion(trajectory, asked)
+        others = _heights_of_others(run, asked)
     except ModelError:  # of the liquids with frequencies that are off
-        judged = judge_motion(trajectory, replace(asked, cargo=tuple(replace(i, tolerance=None) for i in scene.cargo)))
+        others = {}
     lids = {item.name for item in scene.cargo if item.filling is not None and item.filling.lid}
     found = {}
-    for trace in judged.traces:
+    for trace in constraint_traces(run.record, asked, stated, points=[EvaluationPoint.END]):
         if trace.constraint != ResidualHeight.name or trace.subject in lids:
             continue
         height = float(np.max(trace.value))
-        others = [row.worst_value for row in judged.corners if row.id == trace.id and row.variant]
         found[trace.subject] = LeftAfterEnd(
             limit=float(np.max(np.abs(trace.limit))),
             linear=height if trace.linear is None else float(np.max(trace.linear)),
             second_order=None if trace.linear is None else height,
-            off=max(others, default=None),
+            off=max(others.get(trace.subject, []), default=None),
         )
     return found
+
+
+def _heights_of_others(run: Run, scene: Scene) -> dict[str, list[float]]:
+    """Heights after the end of the liquids with frequencies that are off, m, by object."""
+    found: dict[str, list[float]] = {}
+    for corner in corner_scenes(scene):
+        for trace in _at_the_end(run, corner.scene):
+            if trace.constraint == ResidualHeight.name and trace.subject in corner.texts:
+                found.setdefault(trace.subject, []).append(float(np.max(trace.value)))
+    return found
+
+
+def _at_the_end(run: Run, scene: Scene) -> tuple[Trace, ...]:
+    """Traces of the rows on the final state; of carriers whose liquids swing high with each liquid by itself."""
+    motion = run.motion or run.record.motion
+    played = replay(run.record, scene, motion=motion)
+    if not any(item.carrier for item in scene.cargo):
+        return constraint_traces(run.record, scene, played, points=[EvaluationPoint.END])
+    traces = constraint_traces(run.record, scene, played, points=OF_OBJECTS)
+    return with_liquids_apart(traces, run.record, scene, motion=motion)
 
 
 def _off(cargo: Cargo) -> Cargo:

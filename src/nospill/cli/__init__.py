@@ -38,6 +38,7 @@ from nospill.cli.studio import studio
 from nospill.cli.sweeping import sweep
 from nospill.cli.verifying import margins, verify
 from nospill.cli.viewing import view
+from nospill.core.blas_threads import one_thread_by_default
 
 GROUPS: dict[str, tuple[Callable[..., int], ...]] = {
     "Plan": (plan, examples, robots, schema, studio, retime, slow),
@@ -64,6 +65,7 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a sign that the encoding lacks must not end a command
+    one_thread_by_default()
     # Imports alone make a hundred thousand objects that stay, through which the usual threshold of 700 looks 170 times.
     gc.set_threshold(100_000)
     try:

@@ -12,6 +12,7 @@ from nospill.certification.limiting import longest_held
 from nospill.certification.tracks import with_recorded_modes
 from nospill.certification.wording import finding
 from nospill.compiled.codegen import compiles_afterwards
+from nospill.core.blas_threads import one_blas_thread
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.laws.constraints.base import Constraint
 from nospill.laws.scene_parameters import structure_of
@@ -87,6 +88,7 @@ def plan(
     return _plan(scene, warm=warm, rest=rest, last=None, ignore=ignored, progress=progress)[0]
 
 
+@one_blas_thread()
 @compiles_afterwards
 def _plan(
     scene: Scene,

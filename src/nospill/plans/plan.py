@@ -27,6 +27,7 @@ from nospill.certification.survival import survival
 from nospill.certification.survived import Survival
 from nospill.certification.verdict import Certificate
 from nospill.certification.wording import describe, finding, full_model_note, remedy
+from nospill.core.blas_threads import one_blas_thread
 from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.folder import write_folder
@@ -126,7 +127,7 @@ class Plan:
     def left_after_end(self) -> dict[str, LeftAfterEnd]:
         """What is left of each liquid's waves after the end in three columns, found once; by object."""
         known = self.maxima.left
-        return left_after_end(self.trajectory, self.scene) if known is None else known
+        return left_after_end(self.trajectory, self.scene, self.evidence.replay) if known is None else known
 
     @property
     def left_text(self) -> str:
@@ -243,6 +244,7 @@ class Plan:
         """The same plan with the time of one more phase in its report."""
         return replace(self, report=replace(self.report, phases={**self.report.phases, phase: seconds}))
 
+    @one_blas_thread()
     def with_second_looks(self) -> Plan:
         """The plan with what the full model sees, what it uses at lower speeds, and what it survives of its arm."""
         maxima = replace(self.maxima, survival=self.survival, left=self.left_after_end)

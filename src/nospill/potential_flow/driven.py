@@ -17,7 +17,8 @@ import numpy as np
 
 from nospill.potential_flow.basin import Basin, driven_basin
 from nospill.potential_flow.integration import rows_at
-from nospill.potential_flow.orders import LinearTerms, lean_of, linear_terms, second_order_sources
+from nospill.potential_flow.interactions import Interactions, interactions
+from nospill.potential_flow.orders import LinearTerms, lean_of, linear_terms
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.sloshing.modes import Oscillator
@@ -26,6 +27,8 @@ _STEP_ANGLE = 0.12
 """Largest step, rad of the fastest mode: 0.1 % of what drives it is lost."""
 _STANDS_STILL = 1e-9
 """rad/s; a mode this slow is not told from one without stiffness."""
+_ROUNDING = 1e-9
+"""Part of the largest share of a mode below which it is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,12 +40,14 @@ class Driven:
         gains: (J, k) height of every mode per displacement of the modal masses.
         axes: (J, L) amplitudes of the driven oscillators per height of a mode, complex for a pair of cosine and sine.
         diameters: (L,) nodal diameters of a cup's oscillators; 0 in a box.
+        interactions: of the modes that drive.
     """
 
     terms: LinearTerms
     gains: np.ndarray
     axes: np.ndarray
     diameters: np.ndarray
+    interactions: Interactions
 
 
 def driven(cargo: Cargo) -> Driven:
@@ -67,7 +72,18 @@ def _driven_like(key: _Key) -> Driven:
                 column[partner] += 1j if turned[mode] else 0.0
                 columns.append((column, turned[mode]))
         axes, diameters = np.stack([item[0] for item in columns], axis=1), np.array([item[1] for item in columns])
-    return Driven(terms, height_gains(cargo.oscillators, terms.basin), axes, diameters)
+    gains = height_gains(cargo.oscillators, terms.basin)
+    return Driven(terms, gains, axes, diameters, interactions(terms, _driving(terms, gains)))
+
+
+def _driving(terms: LinearTerms, gains: np.ndarray) -> np.ndarray:
+    """Places (n,) of the modes that the masses, the tray or a turn move to the first order, rounding left out."""
+    turned = (np.abs(terms.spin) > _ROUNDING * np.max(np.abs(terms.spin), initial=1e-300)).astype(float)
+    reached = np.any(gains, axis=1)
+    for column in (terms.rise, terms.lean, terms.place, terms.slip, terms.turn[:, None]):
+        size = np.max(np.abs(column), axis=1)
+        reached |= size > _ROUNDING * np.max(size, initial=1e-300)
+    return np.flatnonzero(reached | (turned @ reached > 0.0))
 
 
 class _Key:
@@ -133,7 +149,7 @@ def second_order_states(
     picked = np.append(np.arange(0, count - 1, every), count - 1)
     rows = rows_at(body[:, picked], np.array([0.0, 0.0, basin.depth]))
     first = _states(liquid, rows, displacement[picked], velocity[picked])
-    sources = second_order_sources(liquid.terms, first, rows)
+    sources = liquid.interactions.sources(first, rows)
     begin = np.zeros((2, len(liquid.terms.stiffness))) if start is None else start
     states = _integrated(liquid, sources, rows, step * np.diff(picked), begin).reshape(len(picked), -1)
     at_all = np.stack([np.interp(np.arange(count), picked, column) for column in states.T], axis=1)
@@ -168,9 +184,40 @@ def _integrated(
     before, after = h / 2 * pushes[:, :-1], h / 2 * pushes[:, 1:]
     pushed = np.einsum("kxyl,ykl->kxl", onwards, before) + np.moveaxis(after, 1, 0)
     scale = np.stack([np.ones_like(kappa), kappa])
-    states = np.empty((len(h) + 1, *scale.shape), complex)
-    states[0] = begin @ liquid.axes / scale
-    for step, push, state, following in zip(onwards, pushed, states[:-1], states[1:], strict=True):
-        np.add((step * state).sum(axis=1), push, out=following)  # in few calls, which take all the time
+    states = recursion(onwards, pushed, begin @ liquid.axes / scale)
     found = states * scale * still.conj()[:, None]
     return np.real(found @ liquid.axes.conj().T)
+
+
+def recursion(onwards: np.ndarray, pushed: np.ndarray, begin: np.ndarray) -> np.ndarray:
+    """States (m + 1, 2, L), s[k + 1] = onwards[k] s[k] + pushed[k], in about 3 sqrt(m) calls of NumPy.
+
+    The steps are cut into blocks. All blocks go on at once from rest and from both unit states; then one block after
+    the other is begun where the one before ends.
+
+    Args:
+        onwards: (m, 2, 2, L).
+        pushed: (m, 2, L).
+        begin: (2, L).
+    """
+    count, length = len(onwards), max(int(np.sqrt(len(onwards))), 1)
+    blocks, missing = -(-count // length), -count % length
+    filled = np.zeros((missing, *onwards.shape[1:])) + np.eye(2)[..., None]
+    matrices = np.concatenate([onwards, filled]).reshape(blocks, length, *onwards.shape[1:])
+    shifts = np.concatenate([pushed, np.zeros((missing, *pushed.shape[1:]), complex)])
+    shifts = shifts.reshape(blocks, length, *pushed.shape[1:])
+    at_rest = np.zeros((length + 1, *shifts[:, 0].shape), complex)
+    units = np.zeros((length + 1, *matrices[:, 0].shape))
+    units[0] = np.eye(2)[..., None]
+    for step in range(length):
+        matrix = matrices[:, step]
+        at_rest[step + 1] = matrix[:, :, 0] * at_rest[step, :, :1] + matrix[:, :, 1] * at_rest[step, :, 1:]
+        at_rest[step + 1] += shifts[:, step]
+        units[step + 1] = matrix[:, :, :1] * units[step, :, :1] + matrix[:, :, 1:] * units[step, :, 1:]
+    begun = np.empty((blocks, *begin.shape), complex)
+    state = begin.astype(complex)
+    for block in range(blocks):
+        begun[block] = state
+        state = (units[-1, block] * state).sum(axis=1) + at_rest[-1, block]
+    states = at_rest + units[..., 0, :] * begun[:, :1] + units[..., 1, :] * begun[:, 1:]
+    return np.concatenate([begin[None], np.moveaxis(states[1:], 0, 1).reshape(-1, *begin.shape)])[: count + 1]
