@@ -89,6 +89,7 @@ class ProgressLine:
             "tighten" if report.stage == "tighten" else "",
             f"iteration {report.iteration}" if report.iteration is not None else "",
             f"motion {report.duration_s:.3f} s" if report.duration_s is not None else "",
+            f"holds from {100 * report.holds_from:.0f} % of the speed on" if report.holds_from is not None else "",
         ]
         self.say(step, ", ".join(filter(None, details)))
 

@@ -22,6 +22,7 @@ class PlanningProgress:
         duration_s: current end time, s, while the solver runs.
         violation: largest scaled violation, while the solver runs.
         stage: what is built or solved: "coarse", "fine" or "tighten"; empty otherwise.
+        holds_from: over a range of speeds the part of the planned one from which on the last motion holds, once known.
     """
 
     phase: str
@@ -29,6 +30,7 @@ class PlanningProgress:
     duration_s: float | None = None
     violation: float | None = None
     stage: str = ""
+    holds_from: float | None = None
 
 
 OnProgress = Callable[[PlanningProgress], None]
@@ -47,6 +49,7 @@ class Log:
         rounds: of tightening and constraint generation.
         starts: end time of the answer from each start, s; None where there was none.
         not_warm: why the motion was not planned from the earlier one that was given; empty where it was, or none was.
+        holds_from: as in `PlanningProgress`, of the motion judged last.
     """
 
     progress: OnProgress | None
@@ -57,6 +60,7 @@ class Log:
     rounds: int = 0
     starts: list[float | None] = field(default_factory=list)
     not_warm: str = ""
+    holds_from: float | None = None
 
     @property
     def time_left(self) -> float:
@@ -72,7 +76,7 @@ class Log:
     def phase(self, name: str, stage: str = "") -> Iterator[None]:
         """Account the time spent inside to a phase."""
         if self.progress is not None:
-            self.progress(PlanningProgress(name, stage=stage))
+            self.progress(PlanningProgress(name, stage=stage, holds_from=self.holds_from))
         start = time.perf_counter()
         try:
             yield
@@ -82,7 +86,7 @@ class Log:
     def iteration(self, stage: str, iteration: int, duration: float, violation: float) -> None:
         """Pass an iteration of the solver on."""
         if self.progress is not None:
-            self.progress(PlanningProgress("solve", iteration, duration, violation, stage))
+            self.progress(PlanningProgress("solve", iteration, duration, violation, stage, self.holds_from))
 
     def passage_begins(self) -> None:
         """What the starts before led to is on another passage, and does not compare."""

@@ -35,6 +35,7 @@ from nospill.planning.search import PassageSearch, Search, find_motion, passage_
 from nospill.planning.task import Task
 from nospill.planning.tracking_margins import require_band
 from nospill.planning.warm_start import going_on, restart, restart_on_branch, start_off_path
+from nospill.planning.widest_range import range_reached
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
 from nospill.plans.state import MotionState
@@ -135,7 +136,7 @@ def _plan(
         base_yaw=base_yaw_text(scene) if base_is_free else None,
         end_yaws=end_yaws_text(scene, free) if free else None,
         blocked_way=blocked_direct_way(open_scene, scene),
-        fallbacks=fallbacks(judged.candidate, log, instead),
+        fallbacks=fallbacks(judged.candidate, log, instead, range_reached(judged.trajectory, judged.judgement, task)),
         warm=warm is not None and not log.not_warm,
     )
     planned = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)

@@ -17,6 +17,7 @@ from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, exported, problem_about, solved
 from nospill.planning.log import Log
+from nospill.planning.widest_range import holds_from, holds_further
 from nospill.transcription.export_samples import on_grid
 from nospill.transcription.passages import bounded_as
 from nospill.transcription.resampling import fine_intervals
@@ -148,8 +149,9 @@ def _refine_until_certified(candidate: Candidate, log: Log, *, below: float = ma
     """`certify_by_refinement` without that last solve; raises the same.
 
     Given up, uncertified, once it takes as long as `below`, s: what joins a problem or is kept from it shortens none.
+    Over a range of speeds that is not reached, the motion that holds furthest down it.
     """
-    judged = _judge(candidate, log)
+    judged = furthest = _judge(candidate, log)
     tightened = grown = 0
     while not judged.judgement.leaves_margin and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
         if judged.trajectory.end_time >= below:
@@ -185,7 +187,11 @@ def _refine_until_certified(candidate: Candidate, log: Log, *, below: float = ma
         if certified and not following.judgement.certificate.ok:
             break
         judged = following
-    return judged
+        if holds_further(judged.judgement, furthest.judgement, judged.candidate.active.task):
+            furthest = judged
+    if judged.judgement.certificate.ok or holds_from(furthest.judgement, furthest.candidate.active.task) is None:
+        return judged
+    return furthest
 
 
 def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> Judged:
@@ -197,6 +203,7 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
         with log.phase("certify"):
             judgement = judge_motion(trajectory, scene)
             slosh = judged_tracks(trajectory, scene, judgement.replay, judgement.traces)
+            log.holds_from = holds_from(judgement, candidate.active.task)
             return Judged(candidate, replace(trajectory, slosh=slosh), judgement)
     except ModelError as error:
         again = None if else_from is None else _off_singularities(candidate.active, else_from, log)

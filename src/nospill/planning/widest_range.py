@@ -1,0 +1,63 @@
+"""How far down a range of speeds a motion holds, where planning ends before it holds at all of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from nospill.certification.certificate import Judgement, judge_motion
+from nospill.errors import ModelError
+from nospill.planning.task import Task
+
+if TYPE_CHECKING:
+    from nospill.motion.trajectory import Trajectory
+
+_TRIES = 3
+"""Steps up the grid of speeds, where a judgement looks between its speeds and finds a limit broken there."""
+
+
+def holds_from(judgement: Judgement, task: Task) -> float | None:
+    """Least speed of the grid from which on every row holds, a part of the planned one.
+
+    None where no range was asked for, and where a row is broken at its greatest speed or is about no object.
+    """
+    rules = task.scene.motion
+    broken = [row for row in judgement.variant_rows if not row.ok]
+    if rules.speed_range is None or any(not row.of_object for row in broken):
+        return None
+    grid, speeds = sorted({1.0, *rules.speeds}), task.speeds
+    worst = max((speeds.get((row.subject, row.variant), 1.0) for row in broken), default=0.0)
+    return next((speed for speed in grid if speed > worst and speed <= rules.speed_range[1]), None)
+
+
+def holds_further(judgement: Judgement, other: Judgement, task: Task) -> bool:
+    """Whether a motion holds further down the range than another, or does at all."""
+    ours, theirs = holds_from(judgement, task), holds_from(other, task)
+    return ours is not None and (theirs is None or ours < theirs)
+
+
+def range_reached(trajectory: Trajectory, judgement: Judgement, task: Task) -> str:
+    """The sentence about a motion that does not hold at all speeds that were asked for; empty where none is certified.
+
+    The part of the range that is named has a certificate of its own.
+    """
+    scene, least = task.scene, holds_from(judgement, task)
+    if judgement.certificate.ok or least is None or scene.motion.speed_range is None:
+        return ""
+    asked, greatest = scene.motion.speed_range
+    for speed in [item for item in sorted(scene.motion.speeds) if least <= item < greatest][:_TRIES]:
+        rounded = round(speed + 5e-4, 3)
+        if not rounded < greatest:
+            break
+        narrower = replace(scene, motion=replace(scene.motion, speed_range=(rounded, greatest)))
+        try:
+            held = judge_motion(trajectory, narrower).certificate.ok
+        except ModelError:
+            return ""
+        if held:
+            return (
+                f"the limits were not reached at all speeds from {100 * asked:g} % on: this motion is certified from "
+                f"{100 * rounded:.4g} % of its speed on; state motion.speed_range = [{rounded:g}, {greatest:g}], or "
+                "allow more by planning.max_plan_time"
+            )
+    return ""
