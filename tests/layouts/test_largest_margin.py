@@ -12,6 +12,7 @@ from nospill.layouts.goals import LargestMargin, Outcome
 from nospill.layouts.margins import margin_of, reserving
 from nospill.layouts.search import layout
 from nospill.planning import varied
+from nospill.plans.plan import Plan
 from nospill.scenario import load
 from nospill.scene.scene import Scene
 from tests.layouts.test_layout_search import small
@@ -72,6 +73,7 @@ def test_a_reserve_makes_every_limit_on_liquid_and_contact_smaller_by_its_part()
 def test_the_certificate_shows_the_margin_by_the_limits_as_stated() -> None:
     scene = load(small(path={**small()["path"], "yaw": ["0 deg", "90 deg"]}))
     found = layout(scene, {"cargo.cup.at": None}, within="1.5 s", plans=2)
+    assert isinstance(found.plan, Plan)
     assert found.plan.certificate.ok and found.plan.duration <= 1.5
     assert scene.changed(found.values) == found.plan.scene  # with no limit but its own
     rows = [row for row in found.plan.certificate.rows if row.of_object and row.constraint != "still at the end"]

@@ -18,6 +18,7 @@ from nospill.layouts.variables import variables_of
 from nospill.planning import varied
 from nospill.planning.planner import Planner
 from nospill.planning.varied import Varied
+from nospill.plans.plan import Plan
 from nospill.scenario import load
 from nospill.scenario.layout import layout_faults, overlap
 from nospill.scene.scene import Scene
@@ -85,6 +86,7 @@ def test_the_same_seed_is_the_same_search(monkeypatch: pytest.MonkeyPatch) -> No
 def test_a_real_layout_is_certified_apart_and_no_longer() -> None:
     scene = load("matrix-liquid")
     found = layout(scene, {"cargo.*.at": None, "tray.offset": ["80 mm", "130 mm"]}, plans=6)
+    assert isinstance(found.plan, Plan)
     best = found.plan.scene
     assert found.plan.certificate.ok and found.before is not None and found.before.certificate.ok
     assert found.plan.duration <= found.before.duration
