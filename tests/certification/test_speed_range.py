@@ -134,5 +134,5 @@ def test_between_speeds_only_what_asks_and_is_tried_there_is_played(smooth_motio
     uses = {RowId("slip", name): {0.5: 0.99, 0.9877: 0.99} for name in ("bottle", "cup")}
     found = _at_speeds(corners, uses, closer)
     assert len(found) > 100
-    assert all([item.name for item in own.scene.cargo] == ["cup"] for own in found if 0.51 < own.speed < 0.97)
+    assert all([item.name for item in own.scene.cargo] == ["cup"] for own in found)
     assert _at_speeds(corners, {}, closer) == []

@@ -26,7 +26,7 @@ from nospill.certification.run import COMMAND, command_traces, of_joints_alone, 
 from nospill.certification.traces import constraint_traces
 from nospill.certification.tracked_rows import Followed
 from nospill.certification.tracking_band import Band, band_of
-from nospill.certification.verdict import Certificate, Row, Trace, condensed, fullest, worst_row
+from nospill.certification.verdict import Certificate, Row, Trace, condensed, fullest, keep_fullest, worst_row
 from nospill.collisions.pairs import self_collision
 from nospill.core.blas_threads import one_blas_thread
 from nospill.laws.constraints import constrained
@@ -266,7 +266,7 @@ def _judge(
     corner_use: dict[RowId, np.ndarray] = {}
     for trace in corner_traces(held, scene, motion=motion, rate=rate, played=played):
         corners.append(worst_row(trace))
-        worst = fullest([*worst.values(), trace])
+        keep_fullest(worst, trace)
         if len(trace.t) > 1:
             use = np.interp(played.t, trace.t, trace.use)
             corner_use[trace.id] = np.maximum(corner_use.get(trace.id, use), use)

@@ -127,7 +127,10 @@ def _at_speeds(
     uses: Mapping[RowId, Mapping[float, float]],
     between: Callable[[Mapping[float, float]], Iterable[float]],
 ) -> list[Corner]:
-    """Corners at speeds between those of the grid, of the objects whose uses ask for them: of those tried nearby."""
+    """Corners at speeds between those of the grid, of the objects whose uses ask for them: of those tried nearby.
+
+    Of solids none: their wrench is linear in the square of the speed and the limits are cones, so both ends use most.
+    """
     asking: dict[float, set[str]] = {}
     for row, use in uses.items():
         for speed in between(use):
@@ -137,7 +140,8 @@ def _at_speeds(
     for speed, names in asking.items():
         nearest = min(grid, key=lambda tried: abs(tried - speed))
         for tried in (corner for corner in corners if corner.speed == nearest):
-            cargo = tuple(item for item in tried.scene.cargo if item.name in names.intersection(tried.texts))
+            chosen_names = names.intersection(tried.texts)
+            cargo = tuple(item for item in tried.scene.cargo if item.oscillators and item.name in chosen_names)
             if cargo:
                 chosen.append(replace(tried, scene=replace(tried.scene, cargo=cargo), speed=speed))
     return chosen

@@ -281,9 +281,15 @@ def fullest(traces: Iterable[Trace]) -> dict[RowId, Trace]:
     """Of every constraint and subject the trace that uses most of its limit, in the order of their first ones."""
     found: dict[RowId, Trace] = {}
     for trace in traces:
-        if trace.id not in found or _urgency(worst_row(trace)) > _urgency(worst_row(found[trace.id])):
-            found[trace.id] = trace
+        keep_fullest(found, trace)
     return found
+
+
+def keep_fullest(found: dict[RowId, Trace], trace: Trace) -> None:
+    """Put a trace among the `fullest` so far, where it uses more of its limit than the one that is there."""
+    key = trace.id
+    if key not in found or _urgency(worst_row(trace)) > _urgency(worst_row(found[key])):
+        found[key] = trace
 
 
 def condensed(rows: Iterable[Row]) -> tuple[Row, ...]:
