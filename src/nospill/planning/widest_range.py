@@ -56,8 +56,8 @@ def range_reached(trajectory: Trajectory, judgement: Judgement, task: Task) -> s
             return ""
         if held:
             return (
-                f"the limits were not reached at all speeds from {100 * asked:g} % on: this motion is certified from "
-                f"{100 * rounded:.4g} % of its speed on; state motion.speed_range = [{rounded:g}, {greatest:g}], or "
-                "allow more by planning.max_plan_time"
+                f"no motion was found that keeps the limits at all speeds from {100 * asked:g} % on: this one is "
+                f"certified from {100 * rounded:.4g} % of its speed on; state motion.speed_range = [{rounded:g}, "
+                f"{greatest:g}], or allow more by planning.max_plan_time"
             )
     return ""
