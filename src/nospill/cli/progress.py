@@ -60,6 +60,7 @@ class ProgressLine:
         self._task = self._line.add_task("", total=None) if self._line is not None else None
         self._steps = steps
         self._said: set[str] = set()
+        self._holds_from: float | None = None
         self._stopped = False
         self._usual: Any = None
 
@@ -84,12 +85,13 @@ class ProgressLine:
 
     def show(self, report: PlanningProgress) -> None:
         """Say what the planner reports; called once an iteration."""
+        self._holds_from = report.holds_from or self._holds_from
         step = _STEP_OF.get(report.phase) or (COARSE if report.stage == "coarse" else FINE)
         details = [
             "tighten" if report.stage == "tighten" else "",
             f"iteration {report.iteration}" if report.iteration is not None else "",
             f"motion {report.duration_s:.3f} s" if report.duration_s is not None else "",
-            f"holds from {100 * report.holds_from:.0f} % of the speed on" if report.holds_from is not None else "",
+            f"last one holds from {100 * self._holds_from:.0f} % of the speed on" if self._holds_from else "",
         ]
         self.say(step, ", ".join(filter(None, details)))
 

@@ -22,7 +22,7 @@ class PlanningProgress:
         duration_s: current end time, s, while the solver runs.
         violation: largest scaled violation, while the solver runs.
         stage: what is built or solved: "coarse", "fine" or "tighten"; empty otherwise.
-        holds_from: over a range of speeds the part of the planned one from which on the last motion holds, once known.
+        holds_from: of a motion just judged over a range of speeds, the part of the planned one from which on it holds.
     """
 
     phase: str
@@ -49,7 +49,6 @@ class Log:
         rounds: of tightening and constraint generation.
         starts: end time of the answer from each start, s; None where there was none.
         not_warm: why the motion was not planned from the earlier one that was given; empty where it was, or none was.
-        holds_from: as in `PlanningProgress`, of the motion judged last.
     """
 
     progress: OnProgress | None
@@ -60,7 +59,6 @@ class Log:
     rounds: int = 0
     starts: list[float | None] = field(default_factory=list)
     not_warm: str = ""
-    holds_from: float | None = None
 
     @property
     def time_left(self) -> float:
@@ -76,7 +74,7 @@ class Log:
     def phase(self, name: str, stage: str = "") -> Iterator[None]:
         """Account the time spent inside to a phase."""
         if self.progress is not None:
-            self.progress(PlanningProgress(name, stage=stage, holds_from=self.holds_from))
+            self.progress(PlanningProgress(name, stage=stage))
         start = time.perf_counter()
         try:
             yield
@@ -86,7 +84,12 @@ class Log:
     def iteration(self, stage: str, iteration: int, duration: float, violation: float) -> None:
         """Pass an iteration of the solver on."""
         if self.progress is not None:
-            self.progress(PlanningProgress("solve", iteration, duration, violation, stage, self.holds_from))
+            self.progress(PlanningProgress("solve", iteration, duration, violation, stage))
+
+    def judged(self, holds_from: float | None) -> None:
+        """Pass on how far down a range of speeds a motion holds, where one was asked for and it does."""
+        if self.progress is not None and holds_from is not None:
+            self.progress(PlanningProgress("certify", holds_from=holds_from))
 
     def passage_begins(self) -> None:
         """What the starts before led to is on another passage, and does not compare."""

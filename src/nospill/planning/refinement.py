@@ -203,7 +203,7 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
         with log.phase("certify"):
             judgement = judge_motion(trajectory, scene)
             slosh = judged_tracks(trajectory, scene, judgement.replay, judgement.traces)
-            log.holds_from = holds_from(judgement, candidate.active.task)
+            log.judged(holds_from(judgement, candidate.active.task))
             return Judged(candidate, replace(trajectory, slosh=slosh), judgement)
     except ModelError as error:
         again = None if else_from is None else _off_singularities(candidate.active, else_from, log)
