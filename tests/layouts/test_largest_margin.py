@@ -77,7 +77,7 @@ def test_the_certificate_shows_the_margin_by_the_limits_as_stated() -> None:
     assert found.plan.certificate.ok and found.plan.duration <= 1.5
     assert scene.changed(found.values) == found.plan.scene  # with no limit but its own
     rows = [row for row in found.plan.certificate.rows if row.of_object and row.constraint != "still at the end"]
-    assert found.margin == margin_of(found.plan) == pytest.approx(1.0 - max(row.use for row in rows))
+    assert found.margin == pytest.approx(1.0 - max(row.use for row in rows)) == margin_of(found.plan)
     assert found.margin_before is not None and found.margin is not None
     assert found.margin >= found.margin_before > 0.05
     assert found.text.startswith("best layout of") and "margin" in found.text

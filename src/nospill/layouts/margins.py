@@ -11,11 +11,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from nospill.certification.certificate import judge
 from nospill.certification.verdict import Row
 from nospill.errors import ScenarioError
 from nospill.laws.constraints.base import Role
-from nospill.laws.constraints.residual_height import EndDisplacement
+from nospill.laws.constraints.residual_height import EndDisplacement, ResidualHeight
 from nospill.planning.varied import Varied
 from nospill.plans.approach import with_approach
 from nospill.plans.cycle import CyclePlan, planned_cycle
@@ -27,11 +29,28 @@ from nospill.scene.scene import Scene
 _RESERVES, _HEIGHT = ("friction_reserve", "footprint_reserve"), "max_slosh_height"
 
 
-def margin_of(plan: Plan | CyclePlan) -> float | None:
-    """The part of its limits on liquids and contacts that a plan leaves at least; None where it has no such limit."""
-    plans = plan.legs if isinstance(plan, CyclePlan) else (plan,)
-    uses = [row.use for one in plans for row in one.certificate.rows if _counts(row)]
+def margin_of(plan: Plan | CyclePlan, kept: Plan | CyclePlan | None = None) -> float | None:
+    """The part of its limits on liquids and contacts that a plan leaves at least; None where it has no such limit.
+
+    Args:
+        plan: by the limits as stated.
+        kept: the same motion by smaller ones. A residual height is a bound, which the judge makes no closer than its
+            limit asks for: the lower of two is the one that counts.
+    """
+    plans, others = _plans(plan), _plans(plan if kept is None else kept)
+    uses: list[float] = []
+    for one, other in zip(plans, others, strict=True):
+        bounds = {row.id: row.worst_value for row in other.certificate.rows if row.constraint == ResidualHeight.name}
+        uses += [
+            min(row.use, bounds.get(row.id, np.inf) / row.limit) if row.constraint == ResidualHeight.name else row.use
+            for row in one.certificate.rows
+            if _counts(row)
+        ]
     return 1.0 - max(uses) if uses else None
+
+
+def _plans(plan: Plan | CyclePlan) -> tuple[Plan, ...]:
+    return plan.legs if isinstance(plan, CyclePlan) else (plan,)
 
 
 def _counts(row: Row) -> bool:

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from nospill.layouts.margins import margin_of
 from nospill.plans.cycle import CyclePlan
 from nospill.plans.plan import Plan
 
@@ -42,6 +41,8 @@ class Layout:
         tried: every layout that was planned, in their order.
         stuck: key -> why it could not be moved either way from a layout, one sentence: steps from there leave it.
         within: s, within which the largest margin was sought; None where the shortest motion was.
+        margin: the part of its limits on liquids and contacts that the plan leaves at least, where that is sought.
+        margin_before: the same of the scenario as stated.
     """
 
     before: Plan | CyclePlan | None
@@ -50,21 +51,13 @@ class Layout:
     tried: tuple[Trial, ...]
     stuck: Mapping[str, str] = field(default_factory=dict)
     within: float | None = None
+    margin: float | None = None
+    margin_before: float | None = None
 
     @property
     def gained(self) -> float | None:
         """Seconds that the motion is shorter than as stated; None where that had none."""
         return None if self.before is None else self.before.duration - self.plan.duration
-
-    @property
-    def margin(self) -> float | None:
-        """The part of its limits on liquids and contacts that the plan leaves at least; None where it has none."""
-        return margin_of(self.plan)
-
-    @property
-    def margin_before(self) -> float | None:
-        """The same of the scenario as stated."""
-        return None if self.before is None else margin_of(self.before)
 
     @property
     def text(self) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from nospill.core.units import as_written, quantity
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.layouts.goals import Goal, LargestMargin, Outcome, Shortest
-from nospill.layouts.margins import require_margin
+from nospill.layouts.margins import margin_of, require_margin
 from nospill.layouts.record import Layout, Trial
 from nospill.layouts.spacing import Spacing
 from nospill.layouts.variables import Variables, variables_of
@@ -106,7 +106,11 @@ def layout(
     stated = None if before is None else goal.answer(before)
     answer = stated if stated is not None and best is before else goal.answer(best)
     seconds = goal.within if isinstance(goal, LargestMargin) else None
-    return Layout(stated, answer, values, tuple(trials.done), trials.stuck, seconds)
+    margins: list[float | None] = [None, None]
+    if seconds is not None:
+        pairs = [(answer, best), *([] if stated is None or before is None else [(stated, before)])]
+        margins[: len(pairs)] = [margin_of(plan, outcome.plan) for plan, outcome in pairs]
+    return Layout(stated, answer, values, tuple(trials.done), trials.stuck, seconds, *margins)
 
 
 def _goal(within: float | str | None) -> Goal:
