@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from nospill.errors import NospillError
-from nospill.layouts.margins import by_own_limits, reserving
+from nospill.layouts.margins import by_own_limits, margin_of, reserving
 from nospill.planning.cycles import CyclePlanner
 from nospill.planning.planner import Planner
 from nospill.planning.varied import Varied, duration_change, finding, planned
@@ -184,8 +184,9 @@ class LargestMargin:
         return 1.0
 
     def reached(self, found: Outcome) -> float:
-        """The reserve, without what is left of the time."""
-        return -found.reserve
+        """The margin by the limits as stated: rows that no reserve moves, as lift, may leave less than that."""
+        margin = margin_of(self.answer(found), found.plan)
+        return 0.0 if margin is None else -margin
 
     def reserve_of(self, found: Outcome) -> float | None:
         """See `Goal.reserve_of`."""

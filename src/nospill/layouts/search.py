@@ -94,7 +94,7 @@ def layout(
         for search in alive:
             search.go_on(rounds)
         alive = alive[: max(1, (len(alive) + 1) // 2)] if len(alive) > 1 else alive
-    found = min((item for item in searches if item.best is not None), key=_Search.value, default=None)
+    found = min((item for item in searches if item.best is not None), key=_Search.reached, default=None)
     if found is None or found.best is None:
         time = "" if within is None else f" within {as_written(within)}"
         raise NoSolutionError(
@@ -228,6 +228,10 @@ class _Search:
     def value(self) -> float:
         """Of the best layout so far; infinite where there is none."""
         return np.inf if self.best is None else self.best.value
+
+    def reached(self) -> float:
+        """What of it is certified; infinite where there is none."""
+        return np.inf if self.best is None else self.trials.goal.reached(self.best)
 
     def go_on(self, count: int) -> None:
         """Plan so many layouts more, if as many are worth it."""
