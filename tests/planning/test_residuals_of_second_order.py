@@ -38,6 +38,8 @@ def test_the_more_it_leaves_the_smoother_the_next_motion() -> None:
 def test_a_smooth_motion_that_is_nearly_there_takes_lower_crests() -> None:
     short = [_row(0.3, 1.1)]
     assert smoothed(10.0, short, _KEPT) == 10.0 < smoothed(10.0, [_row(0.5, 1.1)], {_LEFT: 0.9})
+    few = [_row(0.44, 1.05)]  # the modes have too much, and no back-off left
+    assert smoothed(10.0, few, {_LEFT: 0.85}) > 10.0 == smoothed(10.0, few, _KEPT)
     lower = with_room(short, _KEPT)
     assert (1.0 - lower[_CREST]) ** 2 / 0.9**2 == pytest.approx(0.7 / 0.8, rel=1e-2)  # of what it adds
     assert with_room([_row(0.3, 0.99)], _KEPT) == _KEPT

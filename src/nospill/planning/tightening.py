@@ -165,14 +165,18 @@ def backoff_with_room(backoff: float, linear: float) -> float:
     return max(backoff, min(1.0 - (1.0 - backoff) * _OWN / linear, _MOST_ROOM)) if linear > _OWN else backoff
 
 
-def is_settled(backoff: float, linear: float) -> bool:
+def is_settled(backoff: float, linear: float, second: float) -> bool:
     """Whether more back-off of a residual height would not do: modes that the problem has not are what is left.
+
+    Also where the modes have a little more than their part, and without that nothing would be too much.
 
     Args:
         backoff: fraction of the budget that the last problem kept.
         linear: height after the end by the modes alone, as judged, over the limit.
+        second: of second order, likewise.
     """
-    return is_saturated(backoff) and linear > _OWN + _SPARE
+    by_modes = linear > _OWN + _SPARE or second - linear < 1.0 - _OWN
+    return is_saturated(backoff) and linear > _OWN and by_modes
 
 
 def excess_of_order(linear: float, second: float, *, settled: bool) -> float:
