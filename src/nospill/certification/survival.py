@@ -6,10 +6,11 @@ Each is the largest size of one fault under which every row still holds:
 - swing: every joint off by a sinusoid of this amplitude at `SWING_FREQUENCY`, each in its own phase;
 - resonance: every joint on an elastic transmission of this frequency, or of a higher one, damped by `DAMPING`.
 
-Delays and swings are small beside the motion: a row is linear in them. So a replay with one joint off gives what that
-joint adds to every row at every instant; the worst that all joints can add is the sum of what each can add, the size at
-which a row reaches its limit follows, and so does the combination of joints that brings it there. That one is replayed,
-and its size found by secants. Frequencies are tried from above.
+Delays and swings are small beside the motion, and a row is nearly linear in them. So replays with one joint off give
+what that joint adds to every row at every instant, and the combinations of joints that add most; those are replayed,
+then those beside the worst of them, and the worst counts. All of it is done at the size that is looked at, again at
+every size: what is worst of a small delay is not what is worst of a large one. Sizes follow by secants, and the one
+that is said was replayed and holds. Frequencies are tried from above.
 """
 
 from __future__ import annotations
@@ -39,20 +40,25 @@ from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
 
 _SMALL = 1e-4
-"""s or rad, with which differences are made."""
-_CLOSE = 0.03
-"""Part of a size by which its last two estimates differ."""
-_ALIKE = 1.05
-"""Times the size of the row that fails first, within which the next one is replayed too."""
-_NEAR = 1.3
-"""Times that size, within which an object is on the tray where it is replayed."""
+"""s or rad, at which the first differences are made."""
+_CLOSE = 0.02
+"""Part of a size within which one more that holds and one that fails lie, or are expected to."""
+_FEW_MODES = 0.02
+"""Part of what a plan leaves of its limits that replays with few modes are trusted with no farther."""
+_BELOW = 0.3
+"""Part of that by which a size that fails is gone below where it is expected to hold."""
+_COMBINATIONS = 8
+"""Of joints, that are replayed at a size."""
+_NEAR = 2.0
+"""Times the size of the row that fails first, within which an object is on the tray where it is replayed."""
 _SAMPLES_OF_A_PERIOD, _RATES = 16.0, (250.0, 1000.0)
 """Of an elastic joint, with which it is replayed; and the rates in Hz between which that is kept."""
 _STEPS = 1.0 / 2.2, 0.95
 """From one frequency to the next lower one, at most and at least."""
 _RING = 0.35
 """s after the end for which an elastic joint is followed."""
-_ROUNDS = 4
+_ROUNDS = 8
+"""Sizes that are looked at, at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,27 +81,38 @@ class Fault:
         """How much longer than the plan it lasts, s."""
         return size if self.delays else 0.0
 
-    @property
-    def phases(self) -> tuple[float, ...]:
-        """With which a joint is played alone."""
-        return (0.0,) if self.delays else (0.0, np.pi / 2)
+    def alone(self, size: float, joints: int) -> list[JointMotion]:
+        """What the joints do with none of them off, then with one of them off, joint by joint, each in two ways.
 
-    def rates(self, slopes: np.ndarray) -> np.ndarray:
-        """The most that all joints add per size, (m,), from what each adds in each phase, (n, phases, m).
-
-        Delays are counted from their middle, half a size later: what is left is free of the shift of time, by which a
-        row that changes fast would seem to be exceeded.
+        Delays are counted from their middle, of which a joint is as much later or earlier: what is left is free of the
+        shift of time, by which a row that changes fast would seem to be exceeded. Of a sinusoid every phase is a sum of
+        two.
         """
+        none, each = np.zeros(joints), size * np.eye(joints)
         if self.delays:
-            return 0.5 * np.sum(np.abs(slopes[:, 0]), axis=0)
-        return np.sum(np.linalg.norm(slopes, axis=1), axis=0)
+            middle = none + 0.5 * size
+            ways = [middle, *(middle + off for own in each for off in (0.5 * own, -0.5 * own))]
+            return [self.motion(way, none) for way in ways]
+        phases = (0.0, np.pi / 2)
+        return [self.motion(none, none), *(self.motion(own, none + phase) for own in each for phase in phases)]
 
-    def worst(self, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Shares of the size (n,) and phases (n,) with which they add it, from the slopes (n, phases) at an instant."""
+    def most_added(self, added: np.ndarray) -> np.ndarray:
+        """The most that all joints add, (m,), from what each adds in each of its two ways, (n, 2, m)."""
         if self.delays:
-            return (slopes[:, 0] > 0.0).astype(float), np.zeros(len(slopes))
+            return np.sum(np.maximum(np.max(added, axis=1), 0.0), axis=0)
+        return np.sum(np.linalg.norm(added, axis=1), axis=0)
+
+    def worst(self, added: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Shares of the size (n,) and phases (n,) with which they add it, from (n, 2) at an instant."""
+        if self.delays:
+            return (added[:, 0] > added[:, 1]).astype(float), np.zeros(len(added))
         # cos(w t + phase) = cos(phase) cos(w t) + sin(phase) cos(w t + pi/2)
-        return np.ones(len(slopes)), np.arctan2(slopes[:, 1], slopes[:, 0])
+        return np.ones(len(added)), np.arctan2(added[:, 1], added[:, 0])
+
+    def beside(self, share: np.ndarray, phase: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Combinations that differ from one in a joint; of sinusoids, whose phases are any, none."""
+        flipped = [np.where(own, 1.0 - share, share) for own in np.eye(len(share), dtype=bool)]
+        return [(own, phase) for own in flipped if np.ptp(own) > 0.0] if self.delays else []
 
 
 def delay_fault(followed: Followed) -> Fault:
@@ -162,33 +179,51 @@ def survival(trajectory: Trajectory, scene: Scene, rows: tuple[Row, ...] = ()) -
 
 
 def survived(plan: Looked, fault: Fault) -> Survived:
-    """Of a fault the size that a plan survives."""
-    worst, row = worst_of(plan.stated)
-    if worst >= 1.0:
+    """Of a fault the size that a plan survives: the worst combinations of joints that are found hold at it."""
+    use, row = worst_of(plan.stated)
+    if use >= 1.0:
         return Survived(0.0, row.label)
-    coarse, joints = replace(plan.few, rate=fault.rate), plan.few.joints
-
-    motions = [fault.motion(own, np.full(joints, phase)) for own in _SMALL * np.eye(joints) for phase in fault.phases]
-    before, *alone = coarse.rows(coarse.motion, *motions, after=_SMALL, at_end=fault.delays)
-    candidates = _candidates(fault, plan.stated, before, alone)
+    limit = 1.0 - _FEW_MODES * (1.0 - use)
+    low, high, first = (0.0, use / limit), (np.inf, np.inf), row.label
+    candidates = _candidates(plan, fault, _SMALL)
+    size = min(candidates[0].size, fault.most)
     near = {item.row.subject for item in candidates if item.size <= _NEAR * candidates[0].size}
-    some = replace(plan, few=plan.few.only(near))
-    sizes = [_replayed(some, fault, item) for item in candidates[:2] if item.size <= _ALIKE * candidates[0].size]
-    return min(sizes, key=_size_of, default=Survived(None))
+    plan = replace(plan, few=plan.few.only(near))
+    for _ in range(_ROUNDS):
+        use, row = _worst(plan, fault, size)
+        use /= limit
+        if use < 1.0 and size >= fault.most:
+            return Survived(None)
+        before, (low, high) = low, ((size, use), high) if use < 1.0 else (low, (size, use))
+        other = high if np.isfinite(high[0]) else before
+        first = row.label if use >= 1.0 or not np.isfinite(high[0]) else first
+        size = _following(low, other, high[0], fault.most)
+        if min(size, high[0]) <= (1.0 + _CLOSE) * low[0]:
+            break
+    return Survived(low[0], first)
 
 
-def _size_of(item: Survived) -> float:
-    return np.inf if item.size is None else item.size
+def _following(low: tuple[float, float], other: tuple[float, float], high: float, most: float) -> float:
+    """The next size, from the largest that holds with its use, another one with its, and the least that fails."""
+    # a quotient grows beyond all bounds where an object is hardly pressed: of one that fails no more than half way
+    rise = min(other[1] - low[1], 2.0 * (1.0 - low[1]))
+    slope = rise / (other[0] - low[0]) if other[0] != low[0] else 0.0
+    size = low[0] + (1.0 - low[1]) / slope if slope > 0.0 else 2.0 * low[0]
+    if np.isinf(high):
+        return min(size, 2.0 * low[0], most)
+    # below what is expected, that it may hold; away from what is known already
+    size -= _BELOW * _CLOSE * size
+    return float(np.clip(size, low[0] + 0.1 * (high - low[0]), low[0] + 0.9 * (high - low[0])))
 
 
 @dataclass(frozen=True, slots=True)
 class _Candidate:
-    """A row with the size at which it reaches its limit, to the first order, and the joints that bring it there.
+    """A row at an instant, with the combination of joints that uses most of it there.
 
     Attributes:
         row: which.
-        use: of its limit as planned, at that instant.
-        size: of the fault.
+        use: of its limit, to the first order in the joints together.
+        size: of the fault at which it reaches its limit, likewise.
         share: (n,) of the size that every joint has.
         phase: (n,) rad.
     """
@@ -200,47 +235,48 @@ class _Candidate:
     phase: np.ndarray
 
 
-def _candidates(fault: Fault, stated: Uses, before: Uses, alone: list[Uses]) -> list[_Candidate]:
-    """Of every row the instant at which it is the first to reach its limit, the least size first."""
+def _candidates(plan: Looked, fault: Fault, size: float) -> list[_Candidate]:
+    """Of every row the instants at which it is used most at a size, the row first that reaches its limit first."""
+    few = replace(plan.few, rate=fault.rate)
+    none, *alone = few.rows(*fault.alone(size, few.joints), after=fault.after(size), at_end=fault.delays)
     found = []
-    for row in before:
-        slopes = np.array([one[row] - before[row] for one in alone]) / _SMALL
-        slopes = slopes.reshape(-1, len(fault.phases), slopes.shape[1])
-        use = _about(stated[row], slopes.shape[2])
-        sizes = np.maximum(1.0 - use, 0.0) / np.maximum(fault.rates(slopes), 1e-12)
-        at = int(np.argmin(sizes))
-        found.append(_Candidate(row, float(use[at]), float(sizes[at]), *fault.worst(slopes[:, :, at])))
+    for row in none:
+        added = np.array([own[row] - none[row] for own in alone]).reshape(few.joints, 2, -1)
+        most, planned = fault.most_added(added), none[row] + plan.beyond(row)
+        reached = size * np.maximum(1.0 - planned, 0.0) / np.maximum(most, 1e-12)
+        for at in {int(np.argmin(reached)), *_peaks(planned + most).tolist()}:
+            worst = fault.worst(added[:, :, at])
+            found.append(_Candidate(row, float(planned[at] + most[at]), float(reached[at]), *worst))
     return sorted(found, key=lambda item: item.size)
 
 
-def _about(use: np.ndarray, count: int) -> np.ndarray:
-    """A use over the same time at so many instants; where there are fewer, the largest about each of them."""
-    if len(use) <= count:
-        return np.interp(np.linspace(0.0, 1.0, count), np.linspace(0.0, 1.0, len(use)), use)
-    edges = np.linspace(-0.5, count - 0.5, count + 1)[:-1] * (len(use) - 1) / (count - 1)
-    return np.maximum.reduceat(use, np.maximum(np.round(edges), 0).astype(int))
+def _peaks(use: np.ndarray) -> np.ndarray:
+    """Instants at which a use is no less than beside it."""
+    padded = np.concatenate([[-np.inf], use, [-np.inf]])
+    return np.flatnonzero((use >= padded[:-2]) & (use >= padded[2:]))
 
 
-def _replayed(plan: Looked, fault: Fault, found: _Candidate) -> Survived:
-    """The size at which a combination of joints brings the first row to its limit, by secants over replays."""
-    share, phase, first = found.share, found.phase, found.row.label
-    before, size = (0.0, found.use), min(found.size, fault.most)
-    for _ in range(_ROUNDS):
-        (uses,) = plan.few.rows(fault.motion(size * share, phase), after=fault.after(size), at_end=fault.delays)
-        worst, row = worst_of({row: use + plan.beyond(row) for row, use in uses.items()})
-        first = row.label
-        if not np.isfinite(worst):  # a liquid that is thrown about
-            size = 0.5 * size
-            continue
-        if worst < 1.0 and size >= fault.most:
-            return Survived(None)
-        slope = (worst - before[1]) / (size - before[0])
-        following = size + (1.0 - worst) / slope if slope > 0.0 else 2.0 * size
-        following = float(np.clip(following, 0.5 * size, min(2.0 * size, fault.most)))
-        if abs(following - size) < _CLOSE * size and following < fault.most:
-            return Survived(following, first)
-        before, size = (size, worst), following
-    return Survived(size, first) if size < fault.most else Survived(None)
+def _worst(plan: Looked, fault: Fault, size: float) -> tuple[float, RowId]:
+    """The largest use at a size, over the combinations of joints that are the worst to the first order, replayed."""
+    candidates = _candidates(plan, fault, size)
+    alike: dict[bytes, _Candidate] = {}
+    for item in sorted(candidates, key=lambda item: -item.use):
+        alike.setdefault(np.round([item.share, item.phase], 1).tobytes(), item)
+    combinations = [(item.share, item.phase) for item in list(alike.values())[:_COMBINATIONS]]
+    use, row, found = _played(plan, fault, size, combinations)
+    beside = fault.beside(*combinations[found])
+    return max((use, row), _played(plan, fault, size, beside)[:2]) if beside else (use, row)
+
+
+def _played(
+    plan: Looked, fault: Fault, size: float, combinations: list[tuple[np.ndarray, np.ndarray]]
+) -> tuple[float, RowId, int]:
+    """The largest use of some combinations, shares (n,) and phases (n,), whose it is, and which of them that is."""
+    motions = [fault.motion(size * share, phase) for share, phase in combinations]
+    played = plan.few.rows(*motions, after=fault.after(size), at_end=fault.delays)
+    worst = [worst_of({row: use + plan.beyond(row) for row, use in uses.items()}) for uses in played]
+    index = max(range(len(worst)), key=lambda index: worst[index][0])
+    return *worst[index], index
 
 
 def _resonance(plan: Looked) -> Survived:

@@ -30,6 +30,9 @@ USUAL_RATES = (50.0, 100.0, 125.0, 200.0, 250.0, 500.0, 1000.0)
 END_TOLERANCE = 1e-6
 """rad; a file ends where the plan ends."""
 
+_PROGRAMS = {"krl": "csv --profile rsi-4ms", "rapid": "csv --profile egm"}
+"""Languages whose controllers plan their own motion between points, and the format that states every position."""
+
 _FINENESS = 8
 """Instants per period at which a motion is compared with the plan."""
 
@@ -77,6 +80,12 @@ def exporter_named(name: str) -> Exporter:
     Raises:
         ScenarioError: there is none of this name.
     """
+    instead = _PROGRAMS.get(name.lower())
+    if instead is not None:
+        raise ScenarioError(
+            f"no format {name!r}: its controller plans a motion of its own between points, which nothing certifies; "
+            f"use --format {instead}"
+        )
     if name not in EXPORTERS:
         near = nearest(name, EXPORTERS) or next((one for one in EXPORTERS if one.startswith(name[:2].lower())), None)
         hint = f"; did you mean {near!r}?" if near else ""
