@@ -143,6 +143,8 @@ def test_a_plan_that_is_not_certified_has_no_certified_file(gentle_plan, tmp_pat
         ([], "wants a plan folder and --format NAME"),
         (["DIR"], "wants a plan folder and --format NAME"),
         (["DIR", "--format", "dxf"], "no format 'dxf'; there are lab-csv"),
+        (["DIR", "--format", "KRL"], "use --format csv --profile rsi-4ms"),
+        (["DIR", "--format", "rapid"], "use --format csv --profile egm"),
         (["DIR", "--format", "mat", "--rate", "0"], "rate is 0 Hz; allowed are 10 to 1000 Hz"),
         (["DIR", "--format", "mat", "--rate", "nan"], "rate is nan Hz"),
         (["DIR", "--format", "lab-csv", "--rate", "250"], "the lab's controller plays 500 rows a second"),
