@@ -47,8 +47,8 @@ _FEW_MODES = 0.02
 """Part of what a plan leaves of its limits that replays with few modes are trusted with no farther."""
 _BELOW = 0.3
 """Part of that by which a size that fails is gone below where it is expected to hold."""
-_COMBINATIONS = 8
-"""Of joints, that are replayed at a size."""
+_COMBINATIONS, _ROUNDS = 8, 8
+"""Of joints that are replayed at a size, and sizes, at most."""
 _NEAR = 2.0
 """Times the size of the row that fails first, within which an object is on the tray where it is replayed."""
 _SAMPLES_OF_A_PERIOD, _RATES = 16.0, (250.0, 1000.0)
@@ -57,8 +57,6 @@ _STEPS = 1.0 / 2.2, 0.95
 """From one frequency to the next lower one, at most and at least."""
 _RING = 0.35
 """s after the end for which an elastic joint is followed."""
-_ROUNDS = 8
-"""Sizes that are looked at, at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,21 +209,15 @@ def _following(low: tuple[float, float], other: tuple[float, float], high: float
     size = low[0] + (1.0 - low[1]) / slope if slope > 0.0 else 2.0 * low[0]
     if np.isinf(high):
         return min(size, 2.0 * low[0], most)
-    # below what is expected, that it may hold; away from what is known already
-    size -= _BELOW * _CLOSE * size
+    size -= _BELOW * _CLOSE * size  # that it may hold; and away from what is known already
     return float(np.clip(size, low[0] + 0.1 * (high - low[0]), low[0] + 0.9 * (high - low[0])))
 
 
 @dataclass(frozen=True, slots=True)
 class _Candidate:
-    """A row at an instant, with the combination of joints that uses most of it there.
+    """A row at an instant, its use and the size (s or rad) at which it reaches its limit, both to the first order.
 
-    Attributes:
-        row: which.
-        use: of its limit, to the first order in the joints together.
-        size: of the fault at which it reaches its limit, likewise.
-        share: (n,) of the size that every joint has.
-        phase: (n,) rad.
+    `share` (n,) of the size and `phase` (n,), rad, are the combination of joints that uses most of it there.
     """
 
     row: RowId
