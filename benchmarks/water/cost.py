@@ -1,8 +1,7 @@
 """Processor time of planning and judging with heights of second order over that with linear ones, in turns.
 
-    python -m benchmarks.water.cost [--seeds 20] [--linear residual_height]
+    python -m benchmarks.water.cost [--seeds 20]
 
-With `--linear residual_height` only heights after the end are linear in the first.
 The bundled examples with full physics in which the second order is known, and as many of the random plans of
 `benchmarks.water.random_plans` (its kept lines); each is planned once with either order, the one and the other first in
 turns, and its motion judged three times with both. Prints a line for each, and the medians.
@@ -46,7 +45,7 @@ def scenes(seeds: int) -> Iterator[tuple[str, Scene]]:
         yield name, load(name).changed({"fidelity": "full"})
     certified = [line["seed"] for line in read_lines(LINES) if line["ok"] and line["residual"] == "linear"]
     for seed in certified[:seeds]:
-        scene = scene_of(seed, None, 60.0)
+        scene = scene_of(seed, "linear", 60.0)
         if scene is not None:
             yield str(seed), scene
 
@@ -58,9 +57,9 @@ def seconds(work: Callable[[], object]) -> float:
     return time.process_time() - begun
 
 
-def compared(scene: Scene, linear: str, orders: tuple[str, ...]) -> tuple[dict[str, float], dict[str, float]]:
+def compared(scene: Scene, orders: tuple[str, ...]) -> tuple[dict[str, float], dict[str, float]]:
     """Processor time, s, of planning and of judging one motion by order, planned in this order."""
-    asked = {"linear": scene.changed({f"motion.{linear}": "linear"}), "second order": scene}
+    asked = {"linear": scene.changed({"motion.slosh_height": "linear"}), "second order": scene}
     trajectory = plan(asked["linear"]).trajectory  # what is compiled is compiled now
     planning = {order: seconds(partial(plan, asked[order])) for order in orders}
     judging: dict[str, float] = dict.fromkeys(ORDERS, np.inf)
@@ -73,10 +72,9 @@ def main() -> None:
     """Print the lines and the medians of both ratios."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--seeds", type=int, default=20)
-    parser.add_argument("--linear", choices=("slosh_height", "residual_height"), default="slosh_height")
-    given, ratios = parser.parse_args(), []
-    for number, (name, scene) in enumerate(scenes(given.seeds)):
-        planning, judging = compared(scene, given.linear, ORDERS if number % 2 else ORDERS[::-1])
+    ratios = []
+    for number, (name, scene) in enumerate(scenes(parser.parse_args().seeds)):
+        planning, judging = compared(scene, ORDERS if number % 2 else ORDERS[::-1])
         ratios.append([times["second order"] / times["linear"] for times in (planning, judging)])
         figures = " | ".join(f"{ratio:.2f}" for ratio in ratios[-1])
         print(f"| {name} | {planning['linear']:.1f}, {planning['second order']:.1f} s | {figures} |", flush=True)

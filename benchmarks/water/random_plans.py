@@ -1,6 +1,6 @@
 """Random scenarios of the campaign with the full physics, planned, and their liquids followed by the whole flow.
 
-    python -m benchmarks.water.random_plans -o lines.jsonl [--cases 100] [--seconds 60] [--keep DIR] ...
+    python -m benchmarks.water.random_plans -o lines.jsonl [--cases 100] [--seconds 60] [--residual linear] [--keep DIR]
     python -m benchmarks.water.random_plans --table FILE [--residual linear]
 
 Seeds are those of the campaign's first cases that it planned with an upright cup or box of liquid, here with all modes
@@ -37,18 +37,15 @@ ALLOWED = {"crest": ((0.3, 1.03), (0.45, 1.08)), "left": ((0.3, 1.1),)}
 """Largest ratio to the limit that is asked for up to a limit over the radius."""
 
 
-def scene_of(seed: int, residual: str | None, seconds: float) -> Scene | None:
-    """A seed's scenario with the full physics; None where no liquid of it is judged to the second order.
-
-    Residual heights are of the order stated, or as by default.
-    """
+def scene_of(seed: int, residual: str, seconds: float) -> Scene | None:
+    """A seed's scenario with the full physics; None where no liquid of it is judged to the second order."""
     drawn = draw_case(seed).table
     drawn["planning"].pop("slosh_modes", None)  # the campaign's one mode saves time; the certificate is to see them all
     scene = scene_from_table(drawn, name=str(seed))
     if not any(item.filling and linear_since(item) is None for item in scene.cargo):
         return None
-    wanted = {"fidelity": "full", "planning.max_plan_time": seconds}
-    return scene.changed(wanted if residual is None else {**wanted, "motion.residual_height": residual})
+    wanted = {"fidelity": "full", "planning.max_plan_time": seconds, "motion.residual_height": residual}
+    return scene.changed(wanted)
 
 
 def followed(seed: int, scene: Scene, residual: str, keep: Path | None = None) -> dict[str, Any]:

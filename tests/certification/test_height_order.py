@@ -26,23 +26,6 @@ def test_at_full_fidelity_it_is_the_second_order_where_that_is_known() -> None:
     assert height_note(read_scenario("matrix-liquid-tilt-robust")) == ""  # tolerances bear it
 
 
-@pytest.mark.parametrize(
-    ("changes", "order"),
-    [
-        ({}, "second order"),
-        ({"fidelity": "deliverable"}, "linear"),
-        ({"motion.residual_height": "linear"}, "linear"),
-        ({"motion.slosh_height": "linear"}, "linear"),
-        ({"tolerance": {"tracking": {"delay": "1 ms"}}}, "linear"),
-        ({"motion.speed_range": ["50 %", "100 %"], "motion.slosh_height": "second order"}, "linear"),
-    ],
-)
-def test_what_is_left_after_the_end_is_so_too_but_over_many_arms_or_speeds(
-    changes: dict[str, object], order: str
-) -> None:
-    assert read_scenario("mixed-tray").changed(changes).motion.residual_height == order
-
-
 def test_published_physics_are_linear_as_ever() -> None:
     scene = read_scenario("matrix-liquid")
     assert not any(to_second_order(item, scene.motion.slosh_height) for item in scene.cargo)

@@ -34,12 +34,12 @@ def _residuals(trajectory: Trajectory, scene: Scene) -> dict[str, float]:
 def test_each_column_is_the_row_of_a_scene_that_asks_for_it(moved: tuple[Scene, Trajectory]) -> None:
     scene, trajectory = moved
     found = left_after_end(trajectory, scene)
-    linear = replace(scene, motion=replace(scene.motion, residual_height="linear"))
-    plain, ordered = _residuals(trajectory, linear), _residuals(trajectory, scene)
+    second = replace(scene, motion=replace(scene.motion, residual_height="second order"))
+    plain, ordered = _residuals(trajectory, scene), _residuals(trajectory, second)
     off = []
     for sign in (-1, 1):
         by = Perturbation(frequency=sign * OFF)
-        other = replace(scene, cargo=tuple(perturbed(item, by, fidelity="full") for item in scene.cargo))
+        other = replace(second, cargo=tuple(perturbed(item, by, fidelity="full") for item in second.cargo))
         off.append(_residuals(trajectory, other))
     assert found.keys() == {"cup", "mug"}
     for name, own in found.items():

@@ -25,12 +25,17 @@ from tests.waters import cup, free_wave, mode_like
 _CUPS = ("cup", "box")
 
 
+def _with_order(scene: Scene) -> Scene:
+    """The scene with heights after the end of second order, beside those during the motion."""
+    return scene.changed({"motion.residual_height": "second order"})
+
+
 @pytest.fixture(scope="module")
 def both(smooth_motion: Callable) -> tuple[Scene, Judgement, Judgement]:
     """The scene, and a smooth motion judged linearly and to the second order."""
     scene, slow = read_scenario("mixed-tray"), at_speed(smooth_motion("mixed-tray").trajectory, 0.8)
     linear = judge_motion(slow, scene.changed({"motion.slosh_height": "linear"}))
-    return scene, linear, judge_motion(slow, scene)
+    return scene, linear, judge_motion(slow, _with_order(scene))
 
 
 def _motion_rows(replay: Replay, scene: Scene, cargo: Cargo) -> BodyRows:
@@ -70,7 +75,7 @@ def test_what_is_left_is_what_the_flow_leaves(both: tuple[Scene, Judgement, Judg
     flow = second_order_along(cargo, rows, float(replay.t[0]), float(replay.t[-1]), after=AFTER_END)
     (row,) = [row for row in judgement.certificate.rows if row.id == ("residual height", name)]
     assert row.worst_value == pytest.approx(flow.after_end, rel=0.05)
-    course = heights_after(scene, replay, np.linspace(0.0, 0.4, 81))[name]
+    course = heights_after(_with_order(scene), replay, np.linspace(0.0, 0.4, 81))[name]
     assert course[0] == pytest.approx(_crests(judgement)[name][-1], abs=1e-5)
     assert 0.5 * row.worst_value < np.max(course) < 1.005 * row.worst_value
 
@@ -101,14 +106,13 @@ def _slowest(cargo: Cargo, height: float) -> np.ndarray:
     return start
 
 
-def test_heights_after_the_end_stay_linear_where_that_is_stated(
+def test_only_heights_during_the_motion_are_so_unless_both_are_asked_for(
     both: tuple[Scene, Judgement, Judgement],
 ) -> None:
     scene, linear, judgement = both
-    asked = scene.changed({"motion.residual_height": "linear"})
-    traces = with_second_order(linear.traces, asked, judgement.replay)
+    traces = with_second_order(linear.traces, scene, judgement.replay)
     known = {trace.constraint for trace in traces if trace.linear is not None}
-    assert known == {"slosh height"} and heights_after(asked, judgement.replay, np.linspace(0.0, 1.0, 5)) == {}
+    assert known == {"slosh height"} and heights_after(scene, judgement.replay, np.linspace(0.0, 1.0, 5)) == {}
     with pytest.raises(
         ScenarioError, match='residual_height = "second order" is stated where slosh heights are linear'
     ):
@@ -117,7 +121,8 @@ def test_heights_after_the_end_stay_linear_where_that_is_stated(
 
 def test_a_stop_is_held_to_what_the_modes_leave(both: tuple[Scene, Judgement, Judgement]) -> None:
     scene, linear, judgement = both
-    stop = replace(scene, motion=replace(scene.motion, stop=True))
+    asked = _with_order(scene)
+    stop = replace(asked, motion=replace(asked.motion, stop=True))
     residual = tuple(trace for trace in linear.traces if trace.constraint == "residual height")
     assert with_second_order(residual, stop, judgement.replay) == residual
 

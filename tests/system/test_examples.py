@@ -65,20 +65,20 @@ DURATIONS = {
     "matrix-rigid": 1.4094,
     "matrix-liquid-soft-end": 1.7240,
     "matrix-liquid-still": 2.0493,
-    "matrix-liquid-tilt": 1.8801,
-    "matrix-liquid-tilt-robust": 1.8870,
-    "matrix-liquid-tilt-all-limits": 1.8332,
-    "matrix-liquid-corridor": 1.7821,
-    "matrix-liquid-point-to-point": 1.7122,
+    "matrix-liquid-tilt": 1.6603,
+    "matrix-liquid-tilt-robust": 1.6813,
+    "matrix-liquid-tilt-all-limits": 1.6855,
+    "matrix-liquid-corridor": 1.5436,
+    "matrix-liquid-point-to-point": 1.3715,
     "pp-two-cups": 1.8501,
-    "mixed-tray": 1.9964,  # its box of water has yaw modes
+    "mixed-tray": 1.6894,  # its box of water has yaw modes
     "coffee-to-go": 0.9749,
     "soup-and-wine": 1.7956,
     "vial-rack": 0.6883,
-    "cups-around-a-column": 1.7651,
-    "shelf-to-table": 1.1788,
+    "cups-around-a-column": 1.1988,
+    "shelf-to-table": 0.9686,
     "bracket-tray": 0.9351,
-    "cups-past-a-column": 1.4512,
+    "cups-past-a-column": 1.4326,
 }
 """s; as planned. A planner that is worse is not let through: what a better one finds is written here."""
 
@@ -92,10 +92,8 @@ def test_no_example_takes_longer_than_it_did(name: str, example_plan: Example) -
     assert example_plan(name).duration == pytest.approx(DURATIONS[name], rel=2e-3)
 
 
-@pytest.mark.parametrize(("fidelity", "longest"), [("full", 1.90), ("deliverable", 1.50)])
-def test_tilting_saves_a_tenth_and_as_published_an_eighth(
-    fidelity: str, longest: float, example_plan: Example, changed_scene: Changed
-) -> None:
+@pytest.mark.parametrize(("fidelity", "longest"), [("full", 1.70), ("deliverable", 1.50)])
+def test_tilting_saves_an_eighth(fidelity: str, longest: float, example_plan: Example, changed_scene: Changed) -> None:
     def planned(tilt: str) -> Plan:
         if (fidelity, tilt) == ("full", "free"):
             return example_plan("matrix-liquid-tilt")
@@ -107,7 +105,7 @@ def test_tilting_saves_a_tenth_and_as_published_an_eighth(
     assert tilting.certificate.ok and level.certificate.ok
     assert level.maxima.tilt < 1e-6 < 0.2 < tilting.maxima.tilt
     assert tilting.duration <= longest
-    assert tilting.duration <= (0.90 if fidelity == "full" else 0.88) * level.duration
+    assert tilting.duration <= 0.88 * level.duration
 
 
 def test_a_harder_end_takes_longer(example_plan: Example) -> None:

@@ -7,7 +7,6 @@ the problem already gets a larger back-off.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -27,13 +26,11 @@ from nospill.planning.second_order import by_modes, rougher, smoothed, with_room
 from nospill.planning.task import Task
 from nospill.planning.tightening import (
     ROUGH,
-    backoff_below,
     backoff_with_room,
     beyond_backoff,
     increased_jerk_weight,
     relaxed_backoff,
     shared_backoff,
-    weight_below,
 )
 from nospill.planning.tracking_margins import heavier, joining, lighter, next_margins, raised_backoff, rings_far
 from nospill.scene.scene import Scene
@@ -80,8 +77,6 @@ class ActiveSet:
         expected: duration, s, that the weights of the jerks are for, once it is known: with other weights it would be
             another objective.
         jerk_weight_factor: factor on them, above 1 where modes outside the problem swing too far at the end.
-        enough: the same factor of the last certified motion, which one with less keeps below; infinite before.
-        enough_backoff: likewise, back-off of its heights of second order.
         excess: largest part of its limit by which a row on the final state was over it before the last back-off.
         margins: what rows keep along the motion beside that, for arms that are late.
     """
@@ -97,8 +92,6 @@ class ActiveSet:
     everywhere: frozenset[RowId] = frozenset()
     expected: float | None = None
     jerk_weight_factor: float = 1.0
-    enough: float = math.inf
-    enough_backoff: Mapping[RowId, float] = field(default_factory=dict)
     excess: float = 0.0
     margins: Mapping[RowId, Margin] = field(default_factory=dict)
 
@@ -241,7 +234,7 @@ class ActiveSet:
         far = self._members.far_peaks(rows, judgement.replay.t)
         if far:
             return replace(self, backoff=backoff).joined(self.members | far, refined, judgement)
-        backoff = backoff_below(shared_backoff(backoff, self.backoff, uses), self.backoff, self.enough_backoff)
+        backoff = shared_backoff(backoff, self.backoff, uses)
         if not joining and backoff == self.backoff:
             return self
         # bodies that touch in spite of their planes have none where they do: more back-off would move nothing
@@ -258,8 +251,6 @@ class ActiveSet:
         """The set with what heights of second order after the end ask for, where they are over their limits."""
         left = list(self._on_members(rows))
         backoff, factor = with_room(left, self.backoff), smoothed(self.jerk_weight_factor, left, self.backoff)
-        if factor > self.jerk_weight_factor:
-            factor = min(factor, weight_below(self.jerk_weight_factor, self.enough))
         if self.scene.motion.duration is None and factor > self.jerk_weight_factor:
             at_end = {row: value for row, value in backoff.items() if row in self._final}
             return replace(self, jerk_weight_factor=factor, backoff={**self.backoff, **at_end})
@@ -280,7 +271,7 @@ class ActiveSet:
         """The set without most of the back-off that a certified motion shows to be more than is needed."""
         own = list(self._on_members(judgement.variant_rows, own=True))
         relaxed = relaxed_backoff(self.backoff, uses_of(row for row in own if row.linear_value is None))
-        return replace(self._kept_below(own), backoff={**relaxed, **relaxed_by_order(own, self.backoff)})
+        return replace(self, backoff={**relaxed, **relaxed_by_order(own, self.backoff)})
 
     def lightened(self, judgement: Judgement) -> ActiveSet:
         """The set with jerks that weigh less, after a motion that holds; itself where they are not known to weigh much.
@@ -294,14 +285,7 @@ class ActiveSet:
         factor = rougher(self.jerk_weight_factor, own)
         if factor == self.jerk_weight_factor:
             return self
-        backoff = {**self.backoff, **relaxed_by_order(own, self.backoff)}
-        return replace(self._kept_below(own), jerk_weight_factor=factor, backoff=backoff)
-
-    def _kept_below(self, rows: Iterable[Row]) -> ActiveSet:
-        """The same after a certified motion, of which it is known what did."""
-        crests = (row.id for row in rows if row.linear_value is not None and not row.at_end)
-        known = {row: self.backoff[row] for row in crests if row in self.backoff}
-        return replace(self, enough=self.jerk_weight_factor, enough_backoff=known)
+        return replace(self, jerk_weight_factor=factor, backoff={**self.backoff, **relaxed_by_order(own, self.backoff)})
 
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""

@@ -73,7 +73,7 @@ def _over(row: Row, backoff: Mapping[RowId, float]) -> float:
 
 
 def _settled(row: Row, backoff: Mapping[RowId, float]) -> bool:
-    return is_settled(backoff.get(row.id, 1.0), *_uses(row))
+    return is_settled(backoff.get(row.id, 1.0), _uses(row)[0])
 
 
 def _is_left(row: Row) -> bool:

@@ -39,8 +39,6 @@ _FAR_BELOW, _LEAST_LIGHTER = 0.8, 0.4
 """Use of a residual limit of second order below which the jerks weigh less again, and by what at most."""
 _SPARE = 0.1
 """Part by which they may have more and count as having no more than that."""
-_CLOSE = 1.5
-"""Ratio of two such weights, the one too little and the other known to do, between which no other is tried."""
 _NEARLY = 1.3
 """Of what a limit leaves the second order; where motions are smoother already, crests a little lower do for less."""
 _MOST_ROOM = 0.85
@@ -165,18 +163,14 @@ def backoff_with_room(backoff: float, linear: float) -> float:
     return max(backoff, min(1.0 - (1.0 - backoff) * _OWN / linear, _MOST_ROOM)) if linear > _OWN else backoff
 
 
-def is_settled(backoff: float, linear: float, second: float) -> bool:
+def is_settled(backoff: float, linear: float) -> bool:
     """Whether more back-off of a residual height would not do: modes that the problem has not are what is left.
-
-    Also where the modes have a little more than their part, and without that nothing would be too much.
 
     Args:
         backoff: fraction of the budget that the last problem kept.
         linear: height after the end by the modes alone, as judged, over the limit.
-        second: of second order, likewise.
     """
-    by_modes = linear > _OWN + _SPARE or second - linear < 1.0 - _OWN
-    return is_saturated(backoff) and linear > _OWN and by_modes
+    return is_saturated(backoff) and linear > _OWN + _SPARE
 
 
 def excess_of_order(linear: float, second: float, *, settled: bool) -> float:
@@ -219,32 +213,6 @@ def less_jerk_weight(factor: float, linear: float, second: float) -> float:
         return factor
     part = max(second - linear, 0.0) / (1.0 - linear)
     return max(factor * max(math.sqrt(part), _LEAST_LIGHTER), 1.0)
-
-
-def weight_below(factor: float, enough: float) -> float:
-    """Factor on the weights of the jerks at most, where one is known to do; never less than that of the last problem.
-
-    Args:
-        factor: of the last problem, which was not enough.
-        enough: of a certified motion; infinite where none is known.
-    """
-    return max(math.sqrt(factor * enough) if enough > _CLOSE * factor else enough, factor)
-
-
-def backoff_below(
-    backoff: Mapping[RowId, float], before: Mapping[RowId, float], enough: Mapping[RowId, float]
-) -> dict[RowId, float]:
-    """Back-off of every row, half way at most from that of the last problem to what is known to do.
-
-    Args:
-        backoff: of every row, for the next problem.
-        before: of the last one.
-        enough: of a certified motion, of the rows of which it is known.
-    """
-    return {
-        row: min(value, (before[row] + enough[row]) / 2) if before.get(row, 1.0) < enough.get(row, 0.0) else value
-        for row, value in backoff.items()
-    }
 
 
 def lower_crest_backoff(backoff: float, over: float) -> float:

@@ -137,12 +137,12 @@ class MotionTable(Table):
         ),
     ] = None
     residual_height: Annotated[
-        HeightOrder | None,
+        HeightOrder,
         Field(
-            description="what residual_fraction bounds: the linear height after the end, or that of second order; when "
-            "left out as slosh_height, linear with speed_range"
+            description="what residual_fraction bounds: the linear height after the end, or, where slosh_height is of "
+            "second order, that of second order"
         ),
-    ] = None
+    ] = "linear"
     duration: Annotated[
         OptionalQuantity,
         Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),

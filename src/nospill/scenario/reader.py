@@ -361,14 +361,6 @@ def _height_order(scenario: Scenario) -> tuple[HeightOrder, str]:
     return "second order", ""
 
 
-def _residual_order(scenario: Scenario) -> HeightOrder:
-    """To which order heights after the end are judged: as those before, but for motions at many speeds."""
-    stated = scenario.motion.residual_height
-    if stated is not None:
-        return stated
-    return "linear" if scenario.motion.speed_range is not None else _height_order(scenario)[0]
-
-
 def _check_still_end(scenario: Scenario) -> None:
     """Refuse liquids that stand still at the end with a band of arms, which end at no one instant."""
     still = scenario.motion.end != "residual" and any(entry.liquid is not None for entry in scenario.cargo)
@@ -441,7 +433,6 @@ def _motion(
         "yaw_free": scenario.path.yaw_free,
         "via": passed,
         "slosh_height": order,
-        "residual_height": _residual_order(scenario),
         "linear_since": reason,
     }
     return _record_of(MotionRules, rules, own)
