@@ -19,7 +19,8 @@ from tests.builders import joint_path_of
 
 def candidate(name: str) -> Any:
     stages = SimpleNamespace(name=name, duration=1.0, intervals=10)
-    return SimpleNamespace(stages=stages, active=SimpleNamespace(task=SimpleNamespace(scene=None)))
+    scene = SimpleNamespace(motion=SimpleNamespace(speed_range=None))
+    return SimpleNamespace(stages=stages, active=SimpleNamespace(task=SimpleNamespace(scene=scene)))
 
 
 @pytest.mark.parametrize("bounded", [True, False], ids=["solved with it bounded", "not solved"])

@@ -133,7 +133,7 @@ def test_a_page_of_500_points_has_every_row_and_marks_what_is_picked(tmp_path: P
     page = browser.new_page()
     page.goto((tmp_path / "index.html").as_uri())
     assert page.locator("circle").count() == 500
-    page.wait_for_function("document.querySelectorAll('tbody tr').length === 500")
+    page.wait_for_function("() => document.querySelectorAll('tbody tr').length === 500")
     page.locator("tbody tr").nth(70).click()
     assert page.locator(".chosen").evaluate_all("found => found.map(one => one.dataset.i)") == ["70", "70"]
     page.close()

@@ -22,8 +22,10 @@ def holds_from(judgement: Judgement, task: Task) -> float | None:
     None where no range was asked for, and where a row is broken at its greatest speed or is about no object.
     """
     rules = task.scene.motion
+    if rules.speed_range is None:
+        return None
     broken = [row for row in judgement.variant_rows if not row.ok]
-    if rules.speed_range is None or any(not row.of_object for row in broken):
+    if any(not row.of_object for row in broken):
         return None
     grid, speeds = sorted({1.0, *rules.speeds}), task.speeds
     worst = max((speeds.get((row.subject, row.variant), 1.0) for row in broken), default=0.0)
