@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from nospill.core.units import as_written, quantity
+from nospill.core.units import as_written
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.layouts.goals import Goal, LargestMargin, Outcome, Shortest
 from nospill.layouts.margins import margin_of, require_margin
@@ -25,7 +25,7 @@ from nospill.layouts.spacing import Spacing
 from nospill.layouts.variables import Variables, variables_of
 from nospill.planning.cycles import CyclePlanner
 from nospill.planning.planner import Planner
-from nospill.planning.varied import Source, Varied, varied
+from nospill.planning.varied import Source, Varied, time_within, varied
 
 USUAL_PLANS = 30
 """Layouts that are planned."""
@@ -116,13 +116,7 @@ def layout(
 def _goal(within: float | str | None) -> Goal:
     if within is None:
         return Shortest()
-    try:
-        seconds = quantity(within, "time")
-    except ScenarioError as error:
-        raise ScenarioError(f"within: {error}") from None
-    if not (seconds > 0.0 and np.isfinite(seconds)):
-        raise ScenarioError(f'within {as_written(within)} is no time for a motion; give one above 0, as "2 s"')
-    return LargestMargin(seconds)
+    return LargestMargin(time_within(within))
 
 
 def _planned_again(goal: Goal, base: Varied, warm: Outcome) -> Outcome:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from nospill.certification.wording import describe
+from nospill.core.units import as_written, quantity
+from nospill.errors import ScenarioError
 from nospill.planning.cycles import CyclePlanner
 from nospill.planning.planner import Planner
 from nospill.plans.cycle import CyclePlan
@@ -115,3 +118,21 @@ def duration_change(planner: Planner | CyclePlanner, variant: Scene | Cycle) -> 
 def finding(plan: Plan | CyclePlan) -> str:
     """What the verdict rests on, in one phrase."""
     return plan.certificate.finding if isinstance(plan, CyclePlan) else describe(plan.certificate.worst)
+
+
+def time_within(within: float | str) -> float:
+    """A stated longest duration, s.
+
+    Args:
+        within: s, or text with a unit.
+
+    Raises:
+        ScenarioError: it is no time, or not above 0.
+    """
+    try:
+        seconds = quantity(within, "time")
+    except ScenarioError as error:
+        raise ScenarioError(f"within: {error}") from None
+    if not (seconds > 0.0 and math.isfinite(seconds)):
+        raise ScenarioError(f'within {as_written(within)} is no time for a motion; give one above 0, as "1.2 s"')
+    return seconds

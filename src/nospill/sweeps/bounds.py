@@ -8,15 +8,14 @@ the search, not a proof.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from nospill.core.units import as_written, quantity, split_unit
+from nospill.core.units import as_written, split_unit
 from nospill.errors import ScenarioError
-from nospill.planning.varied import Source, Varied, varied
+from nospill.planning.varied import Source, Varied, time_within, varied
 from nospill.plans.cycle import CyclePlan
 from nospill.plans.plan import Plan
 from nospill.scenario.settings import stated_value
@@ -108,12 +107,7 @@ def largest(
         NoSolutionError: no value was found that does; names the fastest.
     """
     base = varied(scene)
-    try:
-        seconds = quantity(within, "time")
-    except ScenarioError as error:
-        raise ScenarioError(f"within: {error}") from None
-    if not (seconds > 0.0 and math.isfinite(seconds)):
-        raise ScenarioError(f'within {as_written(within)} is no time for a motion; give one above 0, as "1.2 s"')
+    seconds = time_within(within)
     if not 1e-4 <= precision < 1.0:
         raise ScenarioError(f"precision {precision:g} is out of range; it must be from 0.0001 to below 1")
     ends = [stated_value(base.table, key)] if between is None else list(between)
