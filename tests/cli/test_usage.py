@@ -116,9 +116,8 @@ def test_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
 
 
 def test_a_sign_that_the_encoding_lacks_ends_no_command(tmp_path: Path) -> None:
-    command = "import sys; sys.argv = ['nospill', 'plan', 'tea\u2265.toml']; from nospill.cli import main; main()"
     done = subprocess.run(
-        [sys.executable, "-c", command],
+        [sys.executable, "-m", "nospill", "plan", "tea\u2265.toml"],
         env={**os.environ, "PYTHONIOENCODING": "ascii:strict"},
         cwd=tmp_path,
         capture_output=True,

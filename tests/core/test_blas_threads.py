@@ -31,6 +31,17 @@ def test_one_thread_inside_and_as_many_as_before_after_an_error() -> None:
     assert threads() == before
 
 
+def test_of_two_callers_the_last_to_leave_puts_the_number_back() -> None:
+    """As two threads that plan: the second enters while the first is at work, and leaves after it."""
+    before, first, second = threads(), one_blas_thread(), one_blas_thread()
+    first.__enter__()
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert threads() <= {1}
+    second.__exit__(None, None, None)
+    assert threads() == before
+
+
 @pytest.mark.parametrize("name", SETTINGS)
 def test_a_number_that_is_set_stays(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.setenv(name, "2")

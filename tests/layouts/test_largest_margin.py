@@ -7,14 +7,19 @@ from typing import Any
 
 import pytest
 
+from nospill.certification.certificate import judge
 from nospill.errors import NoSolutionError, ScenarioError
+from nospill.laws.constraints.base import Role
+from nospill.laws.constraints.residual_height import EndDisplacement
 from nospill.layouts.goals import LargestMargin, Outcome
 from nospill.layouts.margins import margin_of, reserving
 from nospill.layouts.search import layout
 from nospill.planning import varied
+from nospill.plans.cycle import CyclePlan
 from nospill.plans.plan import Plan
 from nospill.scenario import load
 from nospill.scene.scene import Scene
+from tests.cycles import there_and_back
 from tests.layouts.test_layout_search import small
 
 STATED = 0.9
@@ -81,6 +86,34 @@ def test_the_certificate_shows_the_margin_by_the_limits_as_stated() -> None:
     assert found.margin_before is not None and found.margin is not None
     assert found.margin >= found.margin_before > 0.05
     assert found.text.startswith("best layout of") and "margin" in found.text
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"tolerance": {"friction": "5 %", "liquid_height": "1 mm", "position": "3 mm"}},
+        {"motion": {"end": "residual", "residual_fraction": 0.8, "speed_range": ["90 %", "100 %"]}},
+    ],
+    ids=["tolerance", "speed range"],
+)
+def test_a_margin_counts_every_variant_of_what_it_is_asked_for(tables: dict[str, Any]) -> None:
+    found = layout(small(**tables), {"cargo.cup.at": None}, within="1.4 s", plans=1)
+    assert isinstance(found.plan, Plan) and found.margin is not None
+    assert found.plan.certificate.ok and found.plan.duration <= 1.4
+    judged = judge(found.plan.trajectory, found.plan.scene).variant_rows
+    names = {
+        row.known.name for row in judged if row.known is not None and row.known.role in (Role.LIQUID, Role.CONTACT)
+    }
+    uses = [row.use for row in judged if row.constraint in names - {EndDisplacement.name}]
+    assert 0.1 < found.margin <= 1.0 - max(uses) + 1e-9
+
+
+def test_the_margin_of_a_cycle_is_the_least_of_its_legs() -> None:
+    found = layout(there_and_back(), {"cargo.*.at": None}, within="5 s", plans=1)
+    assert isinstance(found.plan, CyclePlan) and found.margin is not None
+    assert found.plan.certificate.ok and found.plan.duration <= 5.0
+    margins = [margin_of(leg) for leg in found.plan.legs]
+    assert found.margin == pytest.approx(min(one for one in margins if one is not None)) and found.margin > 0.05
 
 
 @pytest.mark.parametrize(

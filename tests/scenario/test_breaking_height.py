@@ -10,16 +10,22 @@ from scipy.special import jnp_zeros
 
 from nospill.errors import ScenarioError
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scene.cargo import Filling
+from nospill.scene.cargo import Cargo, Filling
+from nospill.scene.perturbation import Perturbation, perturbed
+from nospill.scene.scene import Fidelity
 
 TABLE = read_scenario("matrix-liquid").source
 
 
-def filling(fidelity: str = "full", **entry: Any) -> Filling:
+def cargo(fidelity: str = "full", **entry: Any) -> Cargo:
     vessel = {"name": "c", "at": [0, 0], "liquid": "water", "liquid_height": 0.049, "height": 0.12, "empty_mass": 0.1}
     round_one = {"shape": "cylinder", "radius": 0.035} if "shape" not in entry else {}
     table = TABLE | {"fidelity": fidelity, "cargo": [vessel | round_one | entry]}
-    found = scene_from_table(table, name="t").cargo[0].filling
+    return scene_from_table(table, name="t").cargo[0]
+
+
+def filling(fidelity: str = "full", **entry: Any) -> Filling:
+    found = cargo(fidelity, **entry).filling
     assert found is not None
     return found
 
@@ -50,6 +56,16 @@ def test_surface_tension_is_left_out(contact_line: str) -> None:
 
 def test_the_published_fidelity_keeps_what_is_stated() -> None:
     assert filling("deliverable", max_slosh_height="50 mm").max_slosh_height == 0.05
+
+
+@pytest.mark.parametrize("fidelity", ["full", "deliverable"])
+def test_less_liquid_may_rise_no_higher(fidelity: Fidelity) -> None:
+    """Of 20 mm to the rim a tenth is kept; 2 mm lower that leaves 19.8 mm, where waves break at 19.3."""
+    emptier = perturbed(cargo(fidelity, height=0.069), Perturbation(liquid_height=-2e-3), fidelity=fidelity).filling
+    assert emptier is not None
+    breaks = 1.0 / (WAVE_NUMBER * math.tanh(WAVE_NUMBER * 0.047))
+    assert breaks < 0.0198
+    assert emptier.max_slosh_height == pytest.approx(breaks if fidelity == "full" else 0.0198, rel=1e-12)
 
 
 def test_an_initial_swing_above_it_gets_no_advice_to_raise_the_limit() -> None:

@@ -6,8 +6,9 @@ Beside other work such a wait takes several times as long as the product. A numb
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -24,14 +25,42 @@ def one_thread_by_default() -> None:
         os.environ[SETTINGS[0]] = "1"
 
 
+class _Limit:
+    """One thread while anybody needs it.
+
+    The number is the process's: of callers in threads of their own the first sets it and the last puts it back.
+    """
+
+    def __init__(self) -> None:
+        self._lock, self._inside, self._held = threading.Lock(), 0, ExitStack()
+
+    def enter(self) -> None:
+        with self._lock:
+            if self._inside == 0:
+                self._held.enter_context(_controller().limit(limits=1, user_api="blas"))
+            self._inside += 1
+
+    def leave(self) -> None:
+        with self._lock:
+            self._inside -= 1
+            if self._inside == 0:
+                self._held.close()
+
+
+_LIMIT = _Limit()
+
+
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """One thread inside, as many as before outside."""
+    """One thread inside, as many as before outside, by whatever threads it is entered and left."""
     if any(name in os.environ for name in SETTINGS):
         yield
         return
-    with _controller().limit(limits=1, user_api="blas"):
+    _LIMIT.enter()
+    try:
         yield
+    finally:
+        _LIMIT.leave()
 
 
 @lru_cache(maxsize=1)

@@ -18,7 +18,7 @@ from nospill.scenario.tolerance_entry import CargoToleranceTable, tolerance_of
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.containers.base import Container, MassProperties
 from nospill.scene.containers.footprints import DiscFootprint
-from nospill.scene.freeboard import default_slosh_height
+from nospill.scene.freeboard import before_waves_break, default_slosh_height
 from nospill.scene.liquids import LIQUIDS, Liquid
 from nospill.scene.scene import Fidelity
 from nospill.scene.surface_tension.meniscus import meniscus_in
@@ -235,8 +235,7 @@ def _filling(entry: CargoTable, container: Container, slosh_modes: int, fidelity
         contact_angle=angle,
         lid=entry.lid,
     )
-    if fidelity == "full" and not entry.lid:
-        filling = dataclasses.replace(filling, max_slosh_height=min(limit, filling.breaking_height))
+    filling = before_waves_break(filling, fidelity)
     return filling if entry.initial_swing is None else _swinging(filling, entry.initial_swing.whole, fidelity)
 
 

@@ -1,15 +1,18 @@
-"""How high a liquid may swing where a scenario does not say it: to the rim less a reserve, along the wall."""
+"""How high a liquid may swing: to the rim less a reserve where nothing is stated, and never until waves break."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
+from nospill.scene.cargo import Filling
 from nospill.scene.containers.base import Container
 from nospill.scene.containers.leaning import edge_of_plane
 from nospill.scene.containers.vessel import Vessel
 from nospill.scene.liquids import Liquid
+from nospill.scene.scene import Fidelity
 from nospill.scene.surface_tension.meniscus import meniscus_in
 from nospill.scene.surface_tension.tension import ContactLine
 
@@ -67,3 +70,15 @@ def _on_a_slope(vessel: Vessel, level: float, reserve: float, freeboard: float) 
     if spare(upright) >= -_SAME:
         return upright
     return float(brentq(spare, 0.0, upright, xtol=_SAME / 10))  # type: ignore[arg-type]
+
+
+def before_waves_break(filling: Filling, fidelity: Fidelity) -> Filling:
+    """The liquid with at most the height up to which waves stay whole; as it is where closed, or as published.
+
+    Args:
+        filling: with the height that is stated or left by the rim.
+        fidelity: of the scene.
+    """
+    if fidelity != "full" or filling.lid:
+        return filling
+    return replace(filling, max_slosh_height=min(filling.max_slosh_height, filling.breaking_height))

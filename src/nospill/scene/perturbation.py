@@ -12,7 +12,7 @@ from nospill.errors import ModelError, ScenarioError
 from nospill.scene.cargo import Cargo, Filling, frozen_liquid, mass_at_rest
 from nospill.scene.carriers import with_content
 from nospill.scene.containers.base import Container, MassProperties
-from nospill.scene.freeboard import default_slosh_height
+from nospill.scene.freeboard import before_waves_break, default_slosh_height
 from nospill.scene.scene import Fidelity
 from nospill.scene.sloshing.prism import MOST_DAMPING
 from nospill.scene.surface_tension.tension import liquid_modes
@@ -78,7 +78,7 @@ def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity) -> Cargo:
     """Cargo with other numbers, built like one from a scenario.
 
     The surface may rise as far as before, but never over the rim; where it may rise to the rim, or to the rim less the
-    freeboard reserve, it still may.
+    freeboard reserve, it still may; at full fidelity, up to where waves break.
 
     Args:
         cargo: as in the scenario.
@@ -104,7 +104,7 @@ def perturbed(cargo: Cargo, by: Perturbation, *, fidelity: Fidelity) -> Cargo:
         return with_content(changed, content, empty)
     if cargo.filling is None:
         return changed
-    filling = _refill(cargo, cargo.filling, by)
+    filling = before_waves_break(_refill(cargo, cargo.filling, by), fidelity)
     frozen = frozen_liquid(cargo.container, filling.liquid, filling.liquid_height)
     total = mass_at_rest(cargo.container, empty, frozen, homogeneous=fidelity == "deliverable")
     return replace(changed, filling=filling, total=total)
