@@ -19,6 +19,7 @@ from nospill.diagnosis.singularity import Singularity, at_singularity, nearest_s
 from nospill.errors import MOTION, NOT_CONVERGED, ROBOT, Change, NoSolutionError, Reason
 from nospill.laws.constraints.clearance import Clearance
 from nospill.path_search.candidates import has_found_path
+from nospill.path_search.standing import advice_on, can_be_advised, helpful_moves
 from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.robots.kinematics.regularity import determinants, keeps_branch
@@ -46,6 +47,10 @@ def not_found(trials: Trials, last: Answer | None) -> NoSolutionError:
         if worst.constraint == Clearance.name and has_found_path(scene):
             text = f"No way found: on the one with most slack {said}, and random searches found no clear one. "
             text += advice(changes, "Move the obstacle, the ends of the path or the arm's base.")
+        elif worst.constraint == Clearance.name and can_be_advised(scene, worst.subject):
+            changes = [*helpful_moves(scene)]
+            text = f"No motion found: {said}, even in a smooth motion of {0.95 * slow:.3g} s; "
+            text += advice_on(worst.subject, tuple(changes))
         else:
             text = f"No motion found: {said}, even in a smooth motion of {0.95 * slow:.3g} s. "
             text += advice(changes, "Relax that limit.")

@@ -9,8 +9,10 @@ import numpy as np
 from nospill.collisions.along_path import Nearness, nearest_along, nearest_of_tray
 from nospill.collisions.configurations import Configurations
 from nospill.errors import REST, ROBOT, NoSolutionError, ScenarioError
+from nospill.path_search.blocked_places import blocked_place
 from nospill.path_search.words import in_words, nearness_reason
 from nospill.paths.path import Path
+from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.redundancy import redundant_joint
 from nospill.scene.scene import Scene
@@ -25,12 +27,13 @@ _ALONE = (51,)
 def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]:
     """The joint paths on which nothing is in the way of the level tray, in their order; all where there is no obstacle.
 
-    Where there is none, the freest one if the motion may leave it: the tray may tilt, or the arm has a seventh joint.
-    The certificate decides then.
+    Where there is none, the freest one if the motion may leave it: the tray may tilt, or the arm has a seventh joint,
+    and that may help at each place where something is in the way of one of them. The certificate decides then.
 
     Raises:
         ScenarioError: an obstacle is in the way of the tray or its cargo where the path starts or ends.
-        NoSolutionError: something is in the way on every joint path, and the tray is level; names it.
+        NoSolutionError: something is in the way on every joint path, and the tray is level, or in every configuration
+            at a place on the path; names it.
     """
     if not scene.keeps_distances:
         return list(candidates)
@@ -43,7 +46,10 @@ def free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[JointPath]
     if not scene.leaves_time_alone and (
         scene.motion.tilt_free or (redundant_joint(scene.robot) is not None and not _on_path(found[freest]))
     ):
-        return [candidates[freest]]
+        blocked = blocked_place(scene, dict.fromkeys(item.s for item in found))
+        if blocked is None:
+            return [candidates[freest]]
+        raise NoSolutionError(_refusal_of_place(scene, blocked), nearness_reason(blocked, ROBOT))
     raise NoSolutionError(
         _refusal(found[freest], len({places_of(joint_path) for joint_path in candidates})),
         nearness_reason(found[freest], ROBOT),
@@ -108,6 +114,13 @@ def _refusal(nearest: Nearness, branches: int) -> str:
     if nearest.pair.of_arm:
         return f"No way found for the arm: {which} {words}"
     return f"No way found for the arm: {which} {words}; move the obstacle, the path or the arm's base"
+
+
+def _refusal_of_place(scene: Scene, nearest: Nearness) -> str:
+    every = "all configurations and tilts of the tray" if scene.motion.tilt_free else "all configurations"
+    words = in_words(nearest, f"at {place_in_words(scene.path, nearest.s)}")
+    moved = "" if nearest.pair.of_arm else "; move the obstacle, the path or the arm's base"
+    return f"No way found for the arm: in the freest of {every} {words}{moved}"
 
 
 def _advice(nearness: Nearness) -> str:

@@ -43,7 +43,7 @@ _ENOUGH = 1e-8
 _HELD = 481
 """Positions of the redundant joint over its range at which configurations are looked for, besides stated ones: in
 narrow places it has a range of a degree."""
-_SPARSE = 12
+SPARSE = 12
 """Every so many of them are looked at first."""
 _NEAR_ENDS = 0.15
 """m; from an end up to which the further slack grows to what it is elsewhere."""
@@ -93,12 +93,15 @@ class LevelArm:
             poses: (m, 4).
             held: (m,) positions of the redundant joint, rad; nothing counts where there is none.
         """
+        return self.solutions_at(poses[:, :3], _level_rotations(poses[:, 3]), held)
+
+    def solutions_at(self, positions: np.ndarray, rotations: np.ndarray, held: np.ndarray) -> list[np.ndarray]:
+        """The same at positions (m, 3), m, and rotations (m, 3, 3), tray to base, of a tray that need not be level."""
         given = None
         if self.redundant is not None:
             # the nearest positions at which there is a closed form: making one takes as long as ten solutions
             given = self.redundant, self.held[np.argmin(np.abs(self.held - held[:, None]), axis=1)]
-        tool, turns = self.scene.tray.tool, _level_rotations(poses[:, 3])
-        solutions = approximate_solutions(self.robot, poses[:, :3], turns, tool=tool, held=given)
+        solutions = approximate_solutions(self.robot, positions, rotations, tool=self.scene.tray.tool, held=given)
         q = np.concatenate(solutions)
         q = self.robot.lower + np.mod(q - self.robot.lower, TURN)
         inside = np.all(self._turning | (q <= self.robot.upper), axis=1)
@@ -141,7 +144,7 @@ class LevelArm:
 
         Of a few positions of the redundant joint at first, of all where none of them is clear.
         """
-        return all(any(self._is_clear_at(pose, held) for held in (self.held[::_SPARSE], self.held)) for pose in poses)
+        return all(any(self._is_clear_at(pose, held) for held in (self.held[::SPARSE], self.held)) for pose in poses)
 
     def _is_clear_at(self, pose: np.ndarray, held: np.ndarray) -> bool:
         """Whether nothing is in the way in one configuration at a pose (4,), of some positions (m,) of that joint."""

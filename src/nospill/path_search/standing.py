@@ -57,7 +57,7 @@ def require_standing_room(scene: Scene) -> None:
         stated = scene.path.ends[round(s)] is not None
         which = "in the joints stated" if stated else f"in the freest of its {len(q)} configurations"
         which = "in its only configuration" if len(q) == 1 and not stated else which
-        changes = tuple(helpful_changes(scene))
+        changes = tuple(helpful_moves(scene))
         advice = advice_on(found.pair.subject, changes)
         if found.pair.second.obstacle is not None:
             moved = "move the obstacle, that end of the path or the arm's base"
@@ -87,12 +87,20 @@ def advised_free_paths(scene: Scene, candidates: Sequence[JointPath]) -> list[Jo
         return free_paths(scene, candidates)
     except NoSolutionError as error:
         reason = error.reason
-        own = {pair.subject for pair in scene_pairs(scene) if pair.of_arm}
-        if reason is None or reason.subject not in own or scene.path.joint_curve is not None:
+        if reason is None or not can_be_advised(scene, reason.subject):
             raise
-        changes = tuple(helpful_changes(scene))
+        changes = tuple(helpful_moves(scene))
         text = f"{error}; {advice_on(reason.subject, changes)}"
         raise NoSolutionError(text, replace(reason, changes=changes)) from None
+
+
+def can_be_advised(scene: Scene, subject: str) -> bool:
+    """Whether a pair that comes too near is of the arm with itself or its load, and the path is not one of the joints.
+
+    It is for such pairs that `helpful_moves` are.
+    """
+    own = {pair.subject for pair in scene_pairs(scene) if pair.of_arm}
+    return subject in own and scene.path.joint_curve is None
 
 
 def advice_on(subject: str, changes: tuple[Change, ...]) -> str:
@@ -106,7 +114,7 @@ def advice_on(subject: str, changes: tuple[Change, ...]) -> str:
     )
 
 
-def helpful_changes(scene: Scene) -> Iterator[Change]:
+def helpful_moves(scene: Scene) -> Iterator[Change]:
     """The smallest change of each kind with which the arm stands free at both ends, and along a path that is given."""
     found = False
     for kind in (_farther_from_flange, _path_turns):

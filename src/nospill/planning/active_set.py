@@ -21,7 +21,15 @@ from nospill.laws.constraints.clearance import Clearance, clearance_backoff
 from nospill.laws.constraints.joint_jerk import command_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
-from nospill.planning.members import Members, backoff_by_order, relaxed_by_order, tightened, uses_of
+from nospill.planning.members import (
+    Crests,
+    Members,
+    backoff_by_order,
+    crests_of,
+    relaxed_by_order,
+    tightened,
+    uses_of,
+)
 from nospill.planning.second_order import by_modes, rougher, smoothed, with_room
 from nospill.planning.task import Task
 from nospill.planning.tightening import (
@@ -78,6 +86,7 @@ class ActiveSet:
             another objective.
         jerk_weight_factor: factor on them, above 1 where modes outside the problem swing too far at the end.
         excess: largest part of its limit by which a row on the final state was over it before the last back-off.
+        crests: of the broken rows in the problem before the last back-off.
         margins: what rows keep along the motion beside that, for arms that are late.
     """
 
@@ -93,6 +102,7 @@ class ActiveSet:
     expected: float | None = None
     jerk_weight_factor: float = 1.0
     excess: float = 0.0
+    crests: Crests = field(default_factory=dict)
     margins: Mapping[RowId, Margin] = field(default_factory=dict)
 
     @classmethod
@@ -230,7 +240,7 @@ class ActiveSet:
         if outside:
             return self.joined(self.members | outside, refined | {name for name, _ in outside if refined}, judgement)
         broken = self._within_ranges(list(self._on_members(row for row in rows if row.shortfall > 0.0)))
-        backoff, joining = tightened(broken, self.rows, smooth.backoff, slack)
+        backoff, joining = tightened(broken, self.rows, smooth.backoff, slack, self.crests)
         far = self._members.far_peaks(rows, judgement.replay.t)
         if far:
             return replace(self, backoff=backoff).joined(self.members | far, refined, judgement)
@@ -244,6 +254,7 @@ class ActiveSet:
             rows=smooth.rows | joining,
             backoff=backoff,
             excess=max(at_end.values(), default=1.0) - 1.0,
+            crests=crests_of(broken, self.backoff),
             everywhere=self.everywhere | touching,
         )
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby, islice
+from types import MappingProxyType
 
 import numpy as np
 
@@ -33,6 +34,9 @@ from nospill.planning.tightening import (
 from nospill.planning.worst_speeds import adjacent_members, evenly, is_far, peaks
 from nospill.scene.cargo import Cargo
 from nospill.scene.variants import VariantId
+
+Crests = Mapping[RowId, tuple[float, float]]
+"""Row of a height of second order -> its back-off in a problem, and the height of its answer over the limit."""
 
 _SLIGHT_OF_SLOWED = 0.1
 """Part of its limit by which a liquid between two speeds of a problem may exceed it before it joins: the back-off of
@@ -198,7 +202,11 @@ def _worst(rows: Iterable[Row], most: int) -> list[Row]:
 
 
 def tightened(
-    rows: Iterable[Row], active: Collection[RowId], backoff: Mapping[RowId, float], slack: Mapping[RowId, float]
+    rows: Iterable[Row],
+    active: Collection[RowId],
+    backoff: Mapping[RowId, float],
+    slack: Mapping[RowId, float],
+    crests: Crests = MappingProxyType({}),
 ) -> tuple[dict[RowId, float], frozenset[RowId]]:
     """Back-off of every row for the next problem, and the rows that are broken without taking part in this one.
 
@@ -207,23 +215,30 @@ def tightened(
         active: rows that take part.
         backoff: of every row that may.
         slack: part of its budget that each left unused.
+        crests: of the round before.
     """
     joining, raised = set[RowId](), dict(backoff)
     for row in condensed(rows):
         key = row.id
         if key in active:
-            raised[key] = _raised_backoff(row, raised[key], slack.get(key, 0.0))
+            raised[key] = _raised_backoff(row, raised[key], slack.get(key, 0.0), crests.get(key))
         elif key in raised:
             joining.add(key)
     return raised, frozenset(joining)
 
 
-def _raised_backoff(row: Row, backoff: float, unused: float) -> float:
+def crests_of(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, tuple[float, float]]:
+    """`Crests` of a judged motion; arguments as of `tightened`."""
+    found = condensed(row for row in rows if _is_crest(row) and row.id in backoff)
+    return {row.id: (backoff[row.id], _parts(row)[1]) for row in found}
+
+
+def _raised_backoff(row: Row, backoff: float, unused: float, before: tuple[float, float] | None = None) -> float:
     """Back-off of a broken row for the next problem."""
     if row.linear_value is None:
         return tightened_backoff(backoff, row.shortfall / row.size, unused, at_end=row.at_end)
     allowed = row.limit - row.shortfall - row.worst_margin  # less what a finer grid may find
-    return second_order_backoff(backoff, *_parts(row), allowed / row.limit)
+    return second_order_backoff(backoff, *_parts(row), allowed / row.limit, before)
 
 
 def backoff_by_order(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, float]:

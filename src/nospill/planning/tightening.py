@@ -23,6 +23,8 @@ _NEAR, _SHARE = 0.03, 0.8
 _FREE, _MOST_OVER = 1e-3, 0.04
 """Part of a limit of second order that is left free, and the most that a height is taken to be over it when
 half of that is added."""
+_BY_SECANT = 5.0
+"""Times the step of the law for heights of second order that a secant may take at most."""
 _WELL_BELOW = 0.95
 """Use of such a limit below which a certified motion gets back-off back."""
 _DRIVEN_BY_TURNS, _SCATTER = 2.0, 0.02
@@ -62,7 +64,9 @@ def tightened_backoff(backoff: float, excess: float, unused: float, *, at_end: b
     return backoff + min(step + max(0.0, unused) / 2, (1.0 - backoff) / 2)  # of a cone it is a difference of squares
 
 
-def second_order_backoff(backoff: float, linear: float, second: float, allowed: float) -> float:
+def second_order_backoff(
+    backoff: float, linear: float, second: float, allowed: float, before: tuple[float, float] | None = None
+) -> float:
     """Back-off of a height of second order, of which the optimiser sees the linear part.
 
     What the second order adds grows with the square of the linear height, and this in proportion to what is left of the
@@ -74,12 +78,20 @@ def second_order_backoff(backoff: float, linear: float, second: float, allowed: 
         linear: greatest linear height of its answer, as judged.
         second: greatest height of second order.
         allowed: what that may be.
+        before: back-off of the problem before that, and the height of second order that its answer had; where the step
+            between them brought less than this law has it, the secant through both asks for more.
     """
     more = (_MORE - 1.0) * min(max(second - allowed, 0.0), _MOST_OVER)  # what it adds falls more slowly than that
     least, wanted = backoff + min(_LEAST, (1.0 - backoff) / 2), allowed - more - _FREE
     if second - linear > _DRIVEN_BY_TURNS * linear:
-        return max(1.0 - (1.0 - backoff) * (wanted - _SCATTER) / second, least)
-    return max(_backoff_for(backoff, linear, second, wanted), least)
+        found = max(1.0 - (1.0 - backoff) * (wanted - _SCATTER) / second, least)
+    else:
+        found = max(_backoff_for(backoff, linear, second, wanted), least)
+    if before is None or backoff <= before[0]:
+        return found
+    most = backoff + min(_BY_SECANT * (found - backoff), (1.0 - backoff) / 2)
+    fall = (before[1] - second) / (backoff - before[0])
+    return max(found, most if fall * (most - backoff) < second - wanted else backoff + (second - wanted) / fall)
 
 
 def relaxed_second_order(backoff: float, linear: float, second: float) -> float:
