@@ -119,19 +119,19 @@ def test_heights_of_second_order_are_tightened_by_the_root_of_a_quadratic() -> N
 
 
 def test_heights_that_fall_less_than_the_law_says_are_tightened_by_the_secant() -> None:
-    """1 - 0.1 b of the limit, with 0.008 more: a tenth of what the law takes a step of the back-off to bring."""
+    """1 - 0.05 b of the limit, with 0.003 more: a twentieth of what the law takes a step of the back-off to bring."""
     key = RowId("slosh height", "a")
     backoff, crests, rounds = {key: 0.0}, dict[RowId, tuple[float, float]](), 0
-    while (second := 1.008 - 0.1 * backoff[key]) > 1.0:
+    while (second := 1.003 - 0.05 * backoff[key]) > 1.0:
         rows = [Row(*key, "m", 1.0, second, 1.0 - second, 0.0, False, linear_value=1.0 - backoff[key])]
         following, _ = tightened(rows, [key], backoff, {}, crests)
         crests, backoff = crests_of(rows, backoff), following
         rounds += 1
     assert rounds <= 5
-    assert backoff[key] < 0.1  # no farther than a little below the limit
+    assert backoff[key] < 0.12  # no farther than a little below the limit
     alone = {key: 0.0}
     for _ in range(rounds):
-        second = 1.008 - 0.1 * alone[key]
+        second = 1.003 - 0.05 * alone[key]
         rows = [Row(*key, "m", 1.0, second, 1.0 - second, 0.0, False, linear_value=1.0 - alone[key])]
         alone, _ = tightened(rows, [key], alone, {})
-    assert 1.008 - 0.1 * alone[key] > 1.0
+    assert 1.003 - 0.05 * alone[key] > 1.0

@@ -16,15 +16,17 @@ _MOST, _MOST_AT_END = 0.1, 0.3
 ROUGH = 3.0
 """Use of a row on the final state from which no number of modes in the problem would do."""
 _TOO_MUCH, _STUCK = 0.8, 0.6
-"""Back-off of such a row, and part of its excess that a round of back-off has left, from which more of it would not."""
+"""Back-off of such a row, and part of its excess that a round of back-off has left, from which more of it would not;
+that of a height of second order has to be more then."""
 _CONTACTS = OBJECT_NAMES - LIQUID_NAMES
 _NEAR, _SHARE = 0.03, 0.8
 """Part of its limit that a contact leaves, or less, where it is near it; and what it gets of another's back-off."""
 _FREE, _MOST_OVER = 1e-3, 0.04
 """Part of a limit of second order that is left free, and the most that a height is taken to be over it when
 half of that is added."""
-_BY_SECANT = 5.0
-"""Times the step of the law for heights of second order that a secant may take at most."""
+_SLIGHTLY_OVER, _BY_SECANT = 0.004, 5.0
+"""Part of a limit of second order by which a height is over it at most where a secant is asked, and how many times the
+step of the law it may take."""
 _WELL_BELOW = 0.95
 """Use of such a limit below which a certified motion gets back-off back."""
 _DRIVEN_BY_TURNS, _SCATTER = 2.0, 0.02
@@ -78,8 +80,8 @@ def second_order_backoff(
         linear: greatest linear height of its answer, as judged.
         second: greatest height of second order.
         allowed: what that may be.
-        before: back-off of the problem before that, and the height of second order that its answer had; where the step
-            between them brought less than this law has it, the secant through both asks for more.
+        before: back-off of the problem before that, and the height of second order that its answer had. Where that is
+            over by little, and the step between them brought next to nothing, the secant asks for more.
     """
     more = (_MORE - 1.0) * min(max(second - allowed, 0.0), _MOST_OVER)  # what it adds falls more slowly than that
     least, wanted = backoff + min(_LEAST, (1.0 - backoff) / 2), allowed - more - _FREE
@@ -87,8 +89,9 @@ def second_order_backoff(
         found = max(1.0 - (1.0 - backoff) * (wanted - _SCATTER) / second, least)
     else:
         found = max(_backoff_for(backoff, linear, second, wanted), least)
-    if before is None or backoff <= before[0]:
-        return found
+    over = second - allowed
+    if before is None or backoff <= before[0] or not _STUCK * (before[1] - allowed) < over < _SLIGHTLY_OVER:
+        return found  # far from the limit a long step may end beside another optimum
     most = backoff + min(_BY_SECANT * (found - backoff), (1.0 - backoff) / 2)
     fall = (before[1] - second) / (backoff - before[0])
     return max(found, most if fall * (most - backoff) < second - wanted else backoff + (second - wanted) / fall)
