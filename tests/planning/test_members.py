@@ -127,7 +127,7 @@ def test_heights_that_fall_less_than_the_law_says_are_tightened_by_the_secant() 
         following, _ = tightened(rows, [key], backoff, {}, crests)
         crests, backoff = crests_of(rows, backoff), following
         rounds += 1
-    assert rounds <= 5
+    assert rounds <= 7
     assert backoff[key] < 0.12  # no farther than a little below the limit
     alone = {key: 0.0}
     for _ in range(rounds):
