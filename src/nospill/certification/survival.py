@@ -8,9 +8,9 @@ Each is the largest size of one fault under which every row still holds:
 
 Delays and swings are small beside the motion, and a row is nearly linear in them. So replays with one joint off give
 what that joint adds to every row at every instant, and the combinations of joints that add most; those are replayed,
-then those beside the worst of them, and the worst counts. All of it is done at the size that is looked at, again at
-every size: what is worst of a small delay is not what is worst of a large one. Sizes follow by secants, and the one
-that is said was replayed and holds. Frequencies are tried from above.
+then those beside the worst of them, and the worst counts. What is worst of a small delay is not what is worst of a
+large one: at a size far from those before, differences are made anew. Sizes follow by secants, and the one that is said
+was replayed and holds. Frequencies are tried from above.
 """
 
 from __future__ import annotations
@@ -49,6 +49,8 @@ _BELOW = 0.3
 """Part of that by which a size that fails is gone below where it is expected to hold."""
 _COMBINATIONS, _ROUNDS = 8, 8
 """Of joints that are replayed at a size, and sizes, at most."""
+_ALIKE = 1.5
+"""Ratio of two sizes up to which the combinations of joints that were the worst at one are looked at at the other."""
 _NEAR = 2.0
 """Times the size of the row that fails first, within which an object is on the tray where it is replayed."""
 _SAMPLES_OF_A_PERIOD, _RATES = 16.0, (250.0, 1000.0)
@@ -57,6 +59,10 @@ _STEPS = 1.0 / 2.2, 0.95
 """From one frequency to the next lower one, at most and at least."""
 _RING = 0.35
 """s after the end for which an elastic joint is followed."""
+
+
+Combination = tuple[np.ndarray, np.ndarray]
+"""Of joints: shares (n,) of a size, and phases (n,), rad."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +113,7 @@ class Fault:
         # cos(w t + phase) = cos(phase) cos(w t) + sin(phase) cos(w t + pi/2)
         return np.ones(len(added)), np.arctan2(added[:, 1], added[:, 0])
 
-    def beside(self, share: np.ndarray, phase: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    def beside(self, share: np.ndarray, phase: np.ndarray) -> list[Combination]:
         """Combinations that differ from one in a joint; of sinusoids, whose phases are any, none."""
         flipped = [np.where(own, 1.0 - share, share) for own in np.eye(len(share), dtype=bool)]
         return [(own, phase) for own in flipped if np.ptp(own) > 0.0] if self.delays else []
@@ -120,7 +126,7 @@ def delay_fault(followed: Followed) -> Fault:
     def motion(size: np.ndarray, _: np.ndarray) -> JointMotion:
         return late(followed.motion, Controller(size, np.zeros_like(size)), start, stop)
 
-    return Fault(MOST_DELAY, motion, delays=True, rate=1000.0)
+    return Fault(MOST_DELAY, motion, delays=True, rate=500.0)
 
 
 def swing_fault(followed: Followed) -> Fault:
@@ -187,8 +193,11 @@ def survived(plan: Looked, fault: Fault) -> Survived:
     size = min(candidates[0].size, fault.most)
     near = {item.row.subject for item in candidates if item.size <= _NEAR * candidates[0].size}
     plan = replace(plan, few=plan.few.only(near))
+    seen, combinations = 0.0, []
     for _ in range(_ROUNDS):
-        use, row = _worst(plan, fault, size)
+        if max(size, seen) > _ALIKE * min(size, seen):
+            seen, combinations = size, _combinations(plan, fault, size)
+        use, row = _worst(plan, fault, size, combinations)
         use /= limit
         if use < 1.0 and size >= fault.most:
             return Survived(None)
@@ -248,22 +257,25 @@ def _peaks(use: np.ndarray) -> np.ndarray:
     return np.flatnonzero((use >= padded[:-2]) & (use >= padded[2:]))
 
 
-def _worst(plan: Looked, fault: Fault, size: float) -> tuple[float, RowId]:
-    """The largest use at a size, over the combinations of joints that are the worst to the first order, replayed."""
-    candidates = _candidates(plan, fault, size)
+def _combinations(plan: Looked, fault: Fault, size: float) -> list[Combination]:
+    """The combinations of joints that are the worst at a size, to the first order."""
     alike: dict[bytes, _Candidate] = {}
-    for item in sorted(candidates, key=lambda item: -item.use):
+    for item in sorted(_candidates(plan, fault, size), key=lambda item: -item.use):
         alike.setdefault(np.round([item.share, item.phase], 1).tobytes(), item)
-    combinations = [(item.share, item.phase) for item in list(alike.values())[:_COMBINATIONS]]
+    return [(item.share, item.phase) for item in list(alike.values())[:_COMBINATIONS]]
+
+
+def _worst(plan: Looked, fault: Fault, size: float, combinations: list[Combination]) -> tuple[float, RowId]:
+    """The largest use at a size, over some combinations of joints and those beside the worst of them, replayed."""
     use, row, found = _played(plan, fault, size, combinations)
     beside = fault.beside(*combinations[found])
     return max((use, row), _played(plan, fault, size, beside)[:2]) if beside else (use, row)
 
 
 def _played(
-    plan: Looked, fault: Fault, size: float, combinations: list[tuple[np.ndarray, np.ndarray]]
+    plan: Looked, fault: Fault, size: float, combinations: list[Combination]
 ) -> tuple[float, RowId, int]:
-    """The largest use of some combinations, shares (n,) and phases (n,), whose it is, and which of them that is."""
+    """The largest use of some combinations, whose it is, and which of them that is."""
     motions = [fault.motion(size * share, phase) for share, phase in combinations]
     played = plan.few.rows(*motions, after=fault.after(size), at_end=fault.delays)
     worst = [worst_of({row: use + plan.beyond(row) for row, use in uses.items()}) for uses in played]
