@@ -13,6 +13,9 @@ import pytest
 from nospill.errors import ScenarioError
 from nospill.execution.bag_logs import CONTROLLER_STATE, JOINT_STATE, read_bag
 from nospill.execution.log import log_of_joints
+from nospill.export import EXPORTERS
+from nospill.motion.interpolation import JointSamples
+from tests.export.test_formats import arm
 
 rosbags = pytest.importorskip("rosbags", reason="rosbags is not installed")
 
@@ -164,3 +167,15 @@ def test_a_topic_is_chosen_by_its_name(tmp_path: Path) -> None:
     assert "/right not read (--topic)" in either.read or "/left not read (--topic)" in either.read
     with pytest.raises(ScenarioError, match=r"--topic /up: .* has no such topic of joints; choose /left or /right"):
         read_bag(place, ("joint_a", "joint_b"), "/up")
+
+
+def test_our_own_bag_is_a_command_and_said_to_be_one(tmp_path: Path) -> None:
+    """Recorded beside what the joints did, it is passed over."""
+    place = tmp_path / "command"
+    t, rest = np.linspace(0.0, 1.0, 51), np.zeros((51, 6))
+    EXPORTERS["rosbag2"].write(JointSamples(t, rest, rest, rest), arm(6), place)
+    with pytest.raises(ScenarioError) as caught:
+        read_bag(place, arm(6).robot.joints)
+    text = str(caught.value)
+    assert "is a trajectory_msgs/msg/JointTrajectory, a command and no log of what the joints did" in text
+    assert f"nospill judge {place}" in text and "record sensor_msgs/msg/JointState" in text

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from nospill.certification.clearance import NEAR, OTHERS
+from nospill.certification.happening import happening_line, tray_first
 from nospill.certification.verdict import Row, Trace, limit_trace
 from nospill.errors import ScenarioError
 from nospill.execution.bands import CERTIFIED, NOT_CERTIFIED, OPEN, WIDE, height_bands, outcome, row_bands
@@ -18,6 +19,7 @@ from nospill.execution.reading import read_log
 from nospill.execution.record import executed_table, failing, log_lines, tracking_lines, undecided, verdict
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
+from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario
@@ -324,3 +326,40 @@ def test_the_published_run_and_its_figure() -> None:
     assert found.measured["c1"].correlation == pytest.approx(0.966, abs=0.005)
     assert found.measured["c3"].correlation == pytest.approx(0.835, abs=0.01)
     assert 1e3 * found.measured["c1"].measured_peak == pytest.approx(17.4, abs=0.01)
+
+
+def test_what_happens_is_told_apart_from_limits_of_the_arm(plan: Plan, found: Executed) -> None:
+    """A friction with a tenth in reserve may be passed by a tenth before anything slides."""
+    assert "nothing spills, slides, turns, tips, lifts or touches; nearest to it: " in happening_line(
+        found.without_reserve
+    )
+    slips = [row for row in found.judgement.certificate.rows if row.constraint == Slip.name]
+    reserve = 1.0 - plan.scene.cargo[0].friction_reserve
+    assert reserve < 1.0 and slips
+    for row in slips:
+        assert found.without_reserve[row.id] == pytest.approx(reserve * row.use, rel=1e-3)
+
+
+def test_what_happens_is_named_once_and_by_what_it_is() -> None:
+    uses = {
+        RowId("slip", "c1"): 1.37,
+        RowId("slosh height", "c2"): 1.2,
+        RowId("residual height", "c2"): 1.1,
+        RowId("clearance", "tray to link_4"): 1.05,
+        RowId("tip", "c1"): 0.4,
+    }
+    assert happening_line(uses) == (
+        "on the tray: c1 slides (137.0 % of the measured friction), c2 spills (120.0 % of the way to the rim) "
+        "and tray and link_4 touch"
+    )
+    calm = happening_line({row: 0.5 * use for row, use in uses.items()})
+    assert calm.endswith("lifts or touches; nearest to it: slip of c1, 68.5 % of the measured friction")
+
+
+def test_rows_about_the_tray_come_before_those_of_the_arm() -> None:
+    def row(constraint: str, use: float) -> Row:
+        return Row(constraint, "a", "-", 1.0, use, 1.0 - use, 0.0, use <= 1.0)
+
+    rows = [row("joint acceleration", 1.5), row("slip", 1.02), row("tilt", 1.01), row("slosh height", 0.9)]
+    ordered = [item.constraint for item in tray_first(rows)]
+    assert ordered == ["slip", "slosh height", "joint acceleration", "tilt"]

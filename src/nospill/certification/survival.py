@@ -272,9 +272,7 @@ def _worst(plan: Looked, fault: Fault, size: float, combinations: list[Combinati
     return max((use, row), _played(plan, fault, size, beside)[:2]) if beside else (use, row)
 
 
-def _played(
-    plan: Looked, fault: Fault, size: float, combinations: list[Combination]
-) -> tuple[float, RowId, int]:
+def _played(plan: Looked, fault: Fault, size: float, combinations: list[Combination]) -> tuple[float, RowId, int]:
     """The largest use of some combinations, whose it is, and which of them that is."""
     motions = [fault.motion(size * share, phase) for share, phase in combinations]
     played = plan.few.rows(*motions, after=fault.after(size), at_end=fault.delays)

@@ -25,6 +25,7 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.like_objects import hull_objects
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
+from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
 
@@ -74,7 +75,7 @@ class Followed:
     def of(cls, trajectory: Trajectory, scene: Scene, rows: Sequence[Row] = ()) -> Followed:
         """The plan of a scene with nothing in reserve; `rows` of its certificate say which bodies come near."""
         run = run_of(trajectory, scene.controller)
-        cargo = tuple(replace(item, friction_reserve=0.0, footprint_reserve=0.0) for item in scene.cargo)
+        cargo = tuple(map(_without_reserves, scene.cargo))
         return cls.of_run(run, replace(scene, cargo=cargo), rows)
 
     @classmethod
@@ -177,14 +178,42 @@ class Followed:
         return clearance_traces(self.scene, np.arange(len(joints)), joints, self.near, instants=len(joints))
 
     def _use(self, trace: Trace) -> np.ndarray | None:
-        constraint = trace.known
-        if constraint is None:
-            return None
-        if constraint.name == Clearance.name:
-            return limit_use(constraint, np.zeros_like(trace.value), trace.value)
-        if constraint.name in (SloshHeight.name, ResidualHeight.name):
-            return np.abs(trace.value) / self.freeboards[trace.subject]
-        return trace.use if constraint.role is Role.CONTACT else None
+        return _use_without_reserve(trace, self.freeboards)
+
+
+def without_reserve(replay: Replay, scene: Scene, rows: Sequence[Row]) -> dict[RowId, float]:
+    """The largest use of what may happen in a replay, with nothing in reserve: above 1 it does.
+
+    Args:
+        replay: of the joints.
+        scene: with its reserves.
+        rows: of the certificate of that replay: heights of second order and the pairs of bodies that are near.
+    """
+    bare = of_joints_alone(replace(scene, cargo=tuple(map(_without_reserves, scene.cargo))))
+    record = Trajectory.of_joints(
+        replay.t, scene.robot.joints, replay.joint_position, replay.joint_speed, replay.joint_acceleration
+    )
+    free = _freeboards(bare, rows)
+    uses = [(trace.id, _use_without_reserve(trace, free)) for trace in constraint_traces(record, bare, replay)]
+    found = {row: float(np.max(use)) for row, use in uses if use is not None}
+    near = [row for row in rows if row.constraint == Clearance.name]
+    return found | {row.id: float(limit_use(row.known, 0.0, row.worst_value - min(row.limit, 0.0))) for row in near}
+
+
+def _without_reserves(item: Cargo) -> Cargo:
+    return replace(item, friction_reserve=0.0, footprint_reserve=0.0)
+
+
+def _use_without_reserve(trace: Trace, freeboards: Mapping[str, float]) -> np.ndarray | None:
+    """Use over time of a limit on what may happen, heights by the way to the rim; None of another limit."""
+    constraint = trace.known
+    if constraint is None:
+        return None
+    if constraint.name == Clearance.name:  # bodies whose shapes are estimated touch where they may not overlap more
+        return limit_use(constraint, np.zeros_like(trace.value), trace.value - np.minimum(trace.limit, 0.0))
+    if constraint.name in (SloshHeight.name, ResidualHeight.name):
+        return np.abs(trace.value) / freeboards[trace.subject]
+    return trace.use if constraint.role is Role.CONTACT else None
 
 
 def _freeboards(scene: Scene, rows: Sequence[Row]) -> dict[str, float]:

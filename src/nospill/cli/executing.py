@@ -88,12 +88,12 @@ def executed(
 
 
 def _finding(found: Executed) -> str:
-    """The row that fails most, or a limit that nobody could judge."""
+    """The row that fails most, of what is on the tray if one does, or a limit that nobody could judge."""
     from nospill.certification.wording import describe, finding
     from nospill.execution.record import failing
 
     rows = failing(found)
-    return describe(max(rows, key=lambda row: row.use)) if rows else finding(found.judgement.certificate)
+    return describe(rows[0]) if rows else finding(found.judgement.certificate)
 
 
 def _text(table: dict[str, Any]) -> str:
@@ -105,6 +105,7 @@ def _only_ours(names: set[str]) -> bool:
 
 
 def _print(run: Executed, *, everything: bool) -> None:
+    from nospill.certification.happening import happening_line
     from nospill.certification.wording import verdict_line
     from nospill.execution.bands import NOT_CERTIFIED
     from nospill.execution.record import log_lines, open_line, tracking_lines, verdict
@@ -112,6 +113,7 @@ def _print(run: Executed, *, everything: bool) -> None:
     print_verdict(f"executed: {verdict(run)}", run.outcome != NOT_CERTIFIED)
     if run.planned is not None:
         print_verdict(f"planned: {verdict_line(run.planned.certificate)}", run.planned.certificate.ok)
+    print_lines(happening_line(run.without_reserve))
     print()
     _print_rows(run, everything=everything)
     print()
@@ -126,13 +128,14 @@ def _print(run: Executed, *, everything: bool) -> None:
 
 
 def _print_rows(found: Executed, *, everything: bool) -> None:
-    """The fullest row of every constraint, or every row, as executed and as planned."""
+    """The fullest row of every constraint, or every row, as executed and as planned; those about the tray first."""
+    from nospill.certification.happening import tray_first
     from nospill.certification.wording import percent, row_text
     from nospill.execution.bands import NOT_CERTIFIED
     from nospill.execution.record import band_text, mark
 
     certificate = found.judgement.certificate
-    rows = certificate.rows if everything else certificate.listed_rows()
+    rows = tray_first(certificate.rows if everything else certificate.listed_rows())
     planned = {} if found.planned is None else {row.id: row for row in found.planned.certificate.rows}
     cells = []
     for row in rows:

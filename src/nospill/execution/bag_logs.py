@@ -15,6 +15,7 @@ import numpy as np
 from nospill.core.units import listed
 from nospill.errors import MissingExtraError, ScenarioError
 from nospill.execution.log import RawLog
+from nospill.export.message import MESSAGE_TYPE
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 CONTROLLER_STATE = "control_msgs/msg/JointTrajectoryControllerState"
@@ -48,9 +49,10 @@ def read_bag(path: Path, joints: Sequence[str], topic: str | None = None) -> Raw
         ) from error
     by_topic: dict[str, list[tuple[int, Any]]] = {}
     kinds: dict[str, str] = {}
-    undefined: set[str] = set()
+    undefined, commands = set[str](), set[str]()
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
+            commands = {c.topic for c in bag.connections if c.msgtype == MESSAGE_TYPE}
             stated = [c for c in bag.connections if c.msgtype in (CONTROLLER_STATE, JOINT_STATE)]
             # up to ROS 2 Humble bags bring no definitions of their types, and those of controllers are not ROS's own
             usable = [c for c in stated if c.msgtype in bag.typestore.fielddefs]
@@ -66,6 +68,11 @@ def read_bag(path: Path, joints: Sequence[str], topic: str | None = None) -> Raw
         raise ScenarioError(
             f"{path}: {listed(sorted(undefined), last='and')} cannot be read, since the bag has no definition of "
             f"{CONTROLLER_STATE}; record {JOINT_STATE} too, or convert the bag to MCAP where that package is installed"
+        )
+    if not by_topic and commands:
+        raise ScenarioError(
+            f"{path}: {listed(sorted(commands), last='and')} is a {MESSAGE_TYPE}, a command and no log of what the "
+            f"joints did; record {JOINT_STATE} while it is played, or judge the command by nospill judge {path}"
         )
     if not by_topic:
         raise ScenarioError(f"{path}: holds no message {JOINT_STATE} or {CONTROLLER_STATE}")

@@ -12,6 +12,7 @@ from nospill.certification.certificate import Judgement, judge, judge_joints
 from nospill.certification.clearance import clearance_traces
 from nospill.certification.replay import replay
 from nospill.certification.traces import constraint_traces
+from nospill.certification.tracked_rows import without_reserve
 from nospill.certification.verdict import Row, Trace
 from nospill.errors import ModelError, ScenarioError
 from nospill.execution.bands import (
@@ -76,6 +77,7 @@ class Executed:
         judgement: of what was executed.
         bands: half width of the 95 % band of the margin of a row, in its unit; zero for a log without noise.
         smoothing: likewise, what smoothing may have changed the margin by.
+        without_reserve: use of what may happen on the tray with nothing in reserve, by row: above 1 it happens.
         heights: heights of the liquids (m,) m over `judgement.replay.t`, by object.
         height_bands: half width of their 95 % bands, likewise.
         tracking: against the plan; against the command in the log where there is no plan; None where there is neither.
@@ -90,6 +92,7 @@ class Executed:
     judgement: Judgement
     bands: Mapping[RowId, float]
     smoothing: Mapping[RowId, float]
+    without_reserve: Mapping[RowId, float]
     heights: Mapping[str, np.ndarray]
     height_bands: Mapping[str, np.ndarray]
     tracking: Tracking | None
@@ -190,6 +193,7 @@ def executed(
         judgement=judgement,
         bands=row_bands(rough, drawn),
         smoothing=smoothing,
+        without_reserve=without_reserve(judgement.replay, scene, judgement.certificate.rows),
         heights=heights,
         height_bands=height_bands(rough, drawn, judgement.replay.t),
         tracking=followed,

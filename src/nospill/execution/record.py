@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from nospill.certification.happening import is_on_tray, tray_first
 from nospill.certification.verdict import Row, limit_use
 from nospill.execution.bands import NOT_CERTIFIED, OPEN
 from nospill.execution.executed import Executed
@@ -43,8 +44,9 @@ def open_line(found: Executed) -> str:
 
 
 def failing(found: Executed) -> list[Row]:
-    """Rows that fail beyond what noise and smoothing leave open."""
-    return [row for row in found.judgement.certificate.rows if found.outcomes[row.id] == NOT_CERTIFIED]
+    """Rows that fail beyond what noise and smoothing leave open, those about the tray first, each by its use."""
+    rows = [row for row in found.judgement.certificate.rows if found.outcomes[row.id] == NOT_CERTIFIED]
+    return tray_first(sorted(rows, key=lambda row: -row.use))
 
 
 def mark(found: Executed, row: Row) -> str:
@@ -58,7 +60,9 @@ def verdict(found: Executed) -> str:
     failed, left = states.count(NOT_CERTIFIED), states.count(OPEN)
     counted = f"all {len(rows)} rows hold"
     if failed or left:
-        parts = [f"{failed} fail" if failed else "", f"{left} cannot be told" if left else ""]
+        own = sum(not is_on_tray(row) for row in failing(found))
+        arm = f" ({own} of the arm or its motion)" if own else ""
+        parts = [f"{failed} fail{arm}" if failed else "", f"{left} cannot be told" if left else ""]
         counted = f"of {len(rows)} rows {' and '.join(part for part in parts if part)}"
     return f"{found.word}: {counted} on a grid of {found.judgement.certificate.grid_hz:g} Hz"
 
@@ -132,7 +136,8 @@ def executed_table(found: Executed) -> dict[str, Any]:
     for row, plain in zip(found.judgement.certificate.rows, found.judgement.certificate.to_dict()["rows"], strict=True):
         widths = {"band": found.bands.get(row.id), "smoothing": found.smoothing.get(row.id)}
         finite = {name: value if value is None or np.isfinite(value) else None for name, value in widths.items()}
-        rows.append(plain | finite | {"outcome": found.outcomes[row.id]})
+        bare = found.without_reserve.get(row.id)
+        rows.append(plain | finite | {"use_without_reserve": bare, "outcome": found.outcomes[row.id]})
     joints = found.scene.robot.joints
     return {
         "scenario": found.scene.name,

@@ -9,14 +9,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from nospill.laws.constraints.lift import Lift
-from nospill.laws.constraints.slip import Slip
-from nospill.laws.constraints.tip import Tip
-from nospill.laws.constraints.twist import Twist
+from nospill.certification.happening import CONTACT_VERBS
 from nospill.motion.interpolation import JointSamples
 from nospill.motion.trajectory import Trajectory
 
-_VERBS = {Lift.name: "lifts", Slip.name: "slides", Tip.name: "tips", Twist.name: "turns"}
 _FEW = 2
 """Objects that are named; more are counted."""
 
@@ -96,7 +92,7 @@ class ControllerStop:
         if math.isinf(self.spill):
             return "beyond the slosh model"
         parts = [f"crest {1e3 * self.spill:.0f} mm too high"] if self.spill > 0.0 else []
-        for constraint, verb in _VERBS.items():
+        for constraint, verb in CONTACT_VERBS.items():
             names = sorted(key.partition(" | ")[2] for key in self.uses if key.partition(" | ")[0] == constraint)
             if names:
                 parts.append(f"{verb} {', '.join(names) if len(names) <= _FEW else len(names)}")

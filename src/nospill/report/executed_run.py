@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nospill.certification.happening import happening_line, tray_first
 from nospill.certification.wording import describe, percent, row_text
 from nospill.execution.bands import NOT_CERTIFIED
 from nospill.execution.executed import Executed
@@ -42,7 +43,9 @@ def executed_run(run: Executed) -> ExecutedRun:
     """The section of a log that was judged and compared with its plan."""
     certificate = run.judgement.certificate
     line = verdict(run)
-    detail = f"{line[:1].upper()}{line[1:]}. Nearest to its limit: {describe(certificate.worst)}."
+    happens = happening_line(run.without_reserve)
+    detail = f"{line[:1].upper()}{line[1:]}. {happens[:1].upper()}{happens[1:]}. "
+    detail += f"Nearest to its limit: {describe(certificate.worst)}."
     return ExecutedRun(
         ok=run.outcome != NOT_CERTIFIED,
         verdict=f"executed: {run.word}",
@@ -55,7 +58,7 @@ def executed_run(run: Executed) -> ExecutedRun:
 
 def _rows(run: Executed) -> TextTable:
     planned = {} if run.planned is None else {row.id: row for row in run.planned.certificate.rows}
-    rows = run.judgement.certificate.listed_rows()
+    rows = tray_first(run.judgement.certificate.listed_rows())
     cells = []
     for row in rows:
         text, before = row_text(row), planned.get(row.id)
