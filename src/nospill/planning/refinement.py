@@ -137,7 +137,11 @@ def _lightened(judged: Judged, log: Log) -> Judged:
     if lighter is active or log.out_of_time:
         return judged
     with suppress(NoSolutionError):
-        again = _tighten(judged.candidate, lighter, log)
+        if lighter.scene is active.scene:
+            again = _tighten(judged.candidate, lighter, log)
+        else:
+            start = start_from(lighter, judged.trajectory, log, judged.candidate.stages)
+            again = solve_from(lighter, start, log, BARRIERS[:1])
         end = judged.trajectory.end_time
         refined = again and _refine_until_certified(again, log, below=end)
         if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
