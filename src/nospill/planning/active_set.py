@@ -30,7 +30,7 @@ from nospill.planning.members import (
     tightened,
     uses_of,
 )
-from nospill.planning.second_order import as_carried, by_modes, far_over, rougher, smoothed, with_room
+from nospill.planning.second_order import by_modes, rougher, smoothed, with_room
 from nospill.planning.task import Task
 from nospill.planning.tightening import (
     ROUGH,
@@ -219,7 +219,7 @@ class ActiveSet:
         `missing`. Where there is none, violated rows join, those in the problem get a larger back-off, and `far_peaks`
         join, which that does not reach.
         """
-        found = [row for row in self._judged(judgement) if row.constraint not in self.task.ignored]
+        found = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
         rows = [by_modes(row) for row in found]
         smooth = self._smoothed(found)
         refined = self.refined | self._too_coarse(rows)
@@ -258,11 +258,6 @@ class ActiveSet:
             everywhere=self.everywhere | touching,
         )
 
-    def _judged(self, judgement: Judgement) -> list[Row]:
-        """The rows of every variant; what problems have as the judge has it, as they have it."""
-        driven = self.task.driven
-        return [as_carried(row) if row.subject in driven else row for row in judgement.variant_rows]
-
     def _smoothed(self, rows: Iterable[Row]) -> ActiveSet:
         """The set with what heights of second order after the end ask for, where they are over their limits."""
         left = list(self._on_members(rows))
@@ -285,7 +280,7 @@ class ActiveSet:
 
     def relaxed(self, judgement: Judgement) -> ActiveSet:
         """The set without most of the back-off that a certified motion shows to be more than is needed."""
-        own = list(self._on_members(self._judged(judgement), own=True))
+        own = list(self._on_members(judgement.variant_rows, own=True))
         relaxed = relaxed_backoff(self.backoff, uses_of(row for row in own if row.linear_value is None))
         return replace(self, backoff={**relaxed, **relaxed_by_order(own, self.backoff)})
 
@@ -297,26 +292,15 @@ class ActiveSet:
         if self.margins and judgement.band is not None:
             margins = next_margins({}, judgement.band, self.names, judgement.end_time)
             return replace(self, margins=margins, jerk_weight_factor=lighter(self.jerk_weight_factor))
-        if self.task.smooth_first:
-            return self._with_driven(judgement)
-        own = list(self._on_members(self._judged(judgement)))
+        own = list(self._on_members(judgement.variant_rows))
         factor = rougher(self.jerk_weight_factor, own)
         if factor == self.jerk_weight_factor:
             return self
         return replace(self, jerk_weight_factor=factor, backoff={**self.backoff, **relaxed_by_order(own, self.backoff)})
 
-    def _with_driven(self, judgement: Judgement) -> ActiveSet:
-        """The set with waves of second order as states, after a motion that is smooth enough to begin with."""
-        kept = {row: value for row, value in self.backoff.items() if row not in self._final}
-        task = replace(self.task, smooth_first=False)
-        begun = replace(self, task=task, refined=frozenset(), backoff=kept, jerk_weight_factor=1.0)
-        return begun.joined(self.members, self.refined, judgement)
-
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
-        if refined and not self.refined and far_over(judgement.variant_rows, self.task.driven):
-            return replace(self, task=replace(self.task, smooth_first=True)).joined(members, refined, judgement)
-        rows = [row for row in self._judged(judgement) if row.constraint not in self.task.ignored]
+        rows = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
         smooth = self._smoothed(rows)
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
         grown = replace(grown, rows=grown.rows | (self.rows & self.task.of_arm))
@@ -326,7 +310,7 @@ class ActiveSet:
         residual = {RowId(ResidualHeight.name, label): of_sum for label in fresh}
         spent = dict.fromkeys(self._members.saturated_at_end(self.backoff), _OF_SUM)
         grown = grown.with_backoff({**smooth.backoff, **spent}).with_backoff(residual)
-        own = list(grown._on_members(self._judged(judgement), own=True))
+        own = list(grown._on_members(judgement.variant_rows, own=True))
         if not smoother:  # else those crests say little of smoother waves
             grown = grown.with_backoff(backoff_by_order(own, grown.backoff))
         grown = replace(

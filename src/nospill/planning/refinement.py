@@ -137,11 +137,7 @@ def _lightened(judged: Judged, log: Log) -> Judged:
     if lighter is active or log.out_of_time:
         return judged
     with suppress(NoSolutionError):
-        if lighter.scene is active.scene:
-            again = _tighten(judged.candidate, lighter, log)
-        else:
-            start = start_from(lighter, judged.trajectory, log, judged.candidate.stages)
-            again = solve_from(lighter, start, log, BARRIERS[:1])
+        again = _tighten(judged.candidate, lighter, log)
         end = judged.trajectory.end_time
         refined = again and _refine_until_certified(again, log, below=end)
         if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:

@@ -1,13 +1,12 @@
-"""What is left after the end to the second order, where it is too much and no problem has its waves.
+"""What is left after the end to the second order: smoothness and less of the modes' own waves, where it is too much.
 
-Those of upright cups are states of a problem, and their row has back-off like others (`as_carried`). Elsewhere the
-optimiser's row is about the modes, and so are back-off, members and modes that join: smooth motions hardly leave any
-waves of second order, so where the judge finds too many, the jerks weigh more.
+The optimiser's row is about the modes, and so are back-off, members and modes that join. The waves of second order are
+in no problem: smooth motions hardly leave any, so where the judge finds too many, the jerks weigh more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from nospill.certification.verdict import Row
@@ -22,9 +21,6 @@ from nospill.planning.tightening import (
     smoother_jerk_weight,
 )
 
-_FAR_OVER = 6.0
-"""Use of a residual limit of second order from which its waves are stilled by smoothness before they are states."""
-
 
 def by_modes(row: Row) -> Row:
     """A row on the final state of second order as the modes alone have it, as the optimiser sees it; others as is."""
@@ -32,16 +28,6 @@ def by_modes(row: Row) -> Row:
         return row
     margin = row.size - row.linear_value
     return replace(row, worst_value=row.linear_value, worst_margin=margin, ok=margin >= 0.0, linear_value=None)
-
-
-def as_carried(row: Row) -> Row:
-    """A row on the final state whose second order a problem has among its states: one like others; others as is."""
-    return replace(row, linear_value=None) if _is_left(row) else row
-
-
-def far_over(rows: Iterable[Row], driven: Collection[str]) -> bool:
-    """Whether some of these objects leave so much after the end that no solve with their waves as states gets there."""
-    return any(_is_left(row) and row.subject in driven and row.use > _FAR_OVER for row in rows)
 
 
 def smoothed(factor: float, rows: Iterable[Row], backoff: Mapping[RowId, float]) -> float:

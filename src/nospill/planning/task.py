@@ -15,8 +15,6 @@ from nospill.laws.constraints.residual_height import EndDisplacement
 from nospill.laws.like_objects import hull_objects, least_tolerant_objects
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
-from nospill.scene.containers.cylinder import Cylinder
-from nospill.scene.heights import to_second_order
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import heaviest
 from nospill.scene.variants import Variant, VariantId, scene_of, variants_by_object
@@ -45,7 +43,6 @@ class Task:
         outer: objects that no like ones stand for.
         ignored: names of constraints that the problem leaves out.
         passage: how the arm passes its singularities.
-        smooth_first: whether waves of second order are kept out of its problems until a smooth motion is certified.
     """
 
     scene: Scene
@@ -55,7 +52,6 @@ class Task:
     outer: frozenset[str]
     ignored: frozenset[str] = frozenset()
     passage: Passage = NOT_BOUNDED
-    smooth_first: bool = False
 
     @classmethod
     def of(cls, scene: Scene, ignored: Collection[str] = ()) -> Task:
@@ -127,24 +123,6 @@ class Task:
         chosen = {cargo.name for cargo in least_tolerant_objects(self.model, most)}
         return frozenset(stated.id for stated, *_ in self.variants if stated.name in chosen)
 
-    @property
-    def driven(self) -> frozenset[str]:
-        """Objects whose waves of second order are states of the problems that have more than one mode of them.
-
-        Upright cups whose height after the end is judged to the second order, at the planned speed and from rest.
-        """
-        motion, state = self.scene.motion, self.scene.initial_state
-        asked = motion.residual_height == "second order" and not motion.stop and state is None
-        if not asked or self.smooth_first or min(self.speeds.values(), default=1.0) < 1.0:
-            return frozenset()
-        cups = (item for item in self.scene.cargo if isinstance(item.container, Cylinder) and item.filling is not None)
-        known = (item for item in cups if to_second_order(item, motion.slosh_height))
-        return frozenset(item.name for item in known if item.filling and item.filling.initial_swing is None)
-
-    def _refined(self, variant: Variant, modes: int) -> Variant:
-        refined = _with_excited_modes(variant, modes)
-        return _with_driven(refined) if variant.name in self.driven else refined
-
     def problem_scene(self, members: Collection[VariantId], refined: Collection[str], modes: int) -> Scene:
         """The scene of a problem that holds some variants of some objects, those named in `refined` with more modes."""
         scene = self.searched_scene
@@ -152,18 +130,13 @@ class Task:
             # Its equalities are bounds of the variables, which only another end condition takes away.
             scene = replace(scene, motion=replace(scene.motion, end="residual"))
         families = [
-            [self._refined(item, modes) if item.name in refined and item.id in members else item for item in variants]
+            [
+                _with_excited_modes(item, modes) if item.name in refined and item.id in members else item
+                for item in variants
+            ]
             for variants in self.variants
         ]
         return scene_of(scene, families, members)
-
-
-def _with_driven(variant: Variant) -> Variant:
-    """A variant with the waves of second order that its modes drive."""
-    filling = variant.cargo.filling
-    if filling is None or filling.modes.count < 2:
-        return variant
-    return replace(variant, cargo=replace(variant.cargo, filling=replace(filling, drives=True)))
 
 
 def _with_excited_modes(variant: Variant, modes: int) -> Variant:
