@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -63,6 +65,23 @@ def test_bounds_are_below_the_distances_and_near_them(changed_scene, example: st
         allowed = max(1e-4, 0.1 * (true[item.pair.subject] - item.pair.limit))
         # of cups coal measures a polyhedron, up to 0.5 % wider; a body moves half a millimetre in half a step
         assert -3e-4 <= gap <= allowed + 5e-4, item.pair.subject
+
+
+def test_a_limit_that_is_kept_by_little_is_said_to_be_kept(changed_scene) -> None:
+    """What is 50 um above its limit is told from nothing, though a distance may be said 0.1 mm too small elsewhere."""
+    scene = changed_scene("coffee-to-go", {"obstacle": OBSTACLES})
+    motion = swinging(scene, 1, seconds=1.0, rate=2000.0)
+    frames, every = joint_frames(motion.chain, motion.q), np.arange(len(motion.t))
+    tight = []
+    for pair in scene_pairs(scene):
+        distances = Distances(pair.first, pair.second).at(frames, every)[0]
+        # where it is least the bodies do not close in
+        if 0 < np.argmin(distances) < len(every) - 1 and np.min(distances) > 0.0:
+            tight.append(replace(pair, limit=float(np.min(distances)) - 5e-5))
+    assert len(tight) > 10
+    for pair in tight:
+        [found] = least_distances(motion, [pair])
+        assert -3e-5 <= found.distance - pair.limit <= 6e-5, pair.subject  # some of it is the last half step
 
 
 def test_without_pairs_there_is_no_distance(changed_scene) -> None:

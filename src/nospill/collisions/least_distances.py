@@ -35,7 +35,8 @@ _BLOCK = 128
 _SHARED = 8
 """Size of blocks from which on all frames are found at once."""
 _EXACT, _SHARE = 1e-4, 0.1
-"""How far a stated distance may lie below the true one: m, or a part of what it is above its limit."""
+"""How far a stated distance may lie below the true one: m, or a part of what it is above its limit; never below that
+limit where the true one is above it, but for the last half step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +228,10 @@ class _Search:
 
     def _enough(self, best: float, limit: float) -> float:
         """Bound from which on a block needs no closer look, where the least distance found is `best`."""
-        return min(best - max(_EXACT, _SHARE * (best - limit)), self.beyond)
+        left = best - limit
+        # of what is left, that it may be told from nothing
+        loose = max(min(_EXACT, 0.5 * left), _SHARE * left) if left > 0.0 else _EXACT
+        return min(best - loose, self.beyond)
 
 
 def _ball(body: Body, frames: JointFrames) -> tuple[np.ndarray, np.ndarray]:
