@@ -38,36 +38,17 @@ def film(
     ] = "tray",
     size: Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height in pixels.")] = "1280x720",
     rate: Annotated[float, typer.Option("--rate", metavar="FPS", help="Pictures per second.")] = 25.0,
-    stop: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TIME",
-            help="Of a plan whose stops were found: the stop that begins then, beside the controller's own.",
-            show_default=False,
-        ),
-    ] = None,
-    beside: Annotated[
-        str, typer.Option(metavar="STOP", help="That of the controller: joints (each brakes), path (time is scaled).")
-    ] = "joints",
 ) -> int:
-    """Film a plan, two side by side on one clock, or a stop beside the controller's: arm, tray, liquids, verdict."""
+    """Film a plan, or two side by side on one clock: arm, tray, liquids, time and verdict."""
     with ProgressLine() as progress:
         from nospill.drawing.timeline import load_films
-        from nospill.errors import ScenarioError
         from nospill.film.writing import Format, require_film, save_film
 
         form = Format(chosen_view(view), speed, _size(size), rate)
         target = output.expanduser()
         require_film(target)
-        if stop is not None and other is not None:
-            raise ScenarioError("--stop is of one plan, and two are given; leave one out")
-        if stop is not None:
-            from nospill.stopping.filmed import films_of_stop
-
-            films = films_of_stop(folder, stop, beside, rate=form.motion_rate, after_end=_AFTER_END)
-        else:
-            folders = [folder] if other is None else [folder, other]
-            films = load_films(folders, rate=form.motion_rate, after_end=_AFTER_END)
+        folders = [folder] if other is None else [folder, other]
+        films = load_films(folders, rate=form.motion_rate, after_end=_AFTER_END)
         count = save_film(
             films, target, form, progress=lambda done, total: progress.say("film", f"picture {done} of {total}")
         )

@@ -114,14 +114,10 @@ def judged_to_rest(motion: JointMotion, end: float, rate: float, scene: Scene, a
     Raises:
         ModelError: the liquids cannot be integrated.
     """
-    return judge_joints(record_to_rest(motion, end, rate, scene, after), scene)
-
-
-def record_to_rest(motion: JointMotion, end: float, rate: float, scene: Scene, after: float = 1.0) -> Trajectory:
-    """The samples of such a motion; arguments as of `judged_to_rest`."""
     times = np.arange(int(np.ceil((end + after) * rate)) + 1) / rate
     held = HeldMotion(motion, 0.0, float(times[-1]))
-    return Trajectory.of_joints(times, scene.robot.joints, *(held(times, order) for order in range(3)))
+    record = Trajectory.of_joints(times, scene.robot.joints, *(held(times, order) for order in range(3)))
+    return judge_joints(record, scene)
 
 
 def _judged(
