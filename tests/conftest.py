@@ -21,7 +21,14 @@ from typer.main import get_command
 from typer.testing import CliRunner, Result
 
 from nospill.cli.reporting import INTERNAL_ERROR
-from tests.hasty import COMPILED, NO_COMPILER, compile_at_first, compile_small_functions, hasty_compiler
+from tests.hasty import (
+    COMPILED,
+    NO_COMPILER,
+    compile_at_first,
+    compile_small_functions,
+    hasty_compiler,
+    keep_interpreted_functions,
+)
 
 if TYPE_CHECKING:  # a file of tests that plans nothing is run without the planner and the judge
     from nospill.motion.interpolation import JointSamples
@@ -65,6 +72,7 @@ def hasty() -> Iterator[None]:
                 patch.setenv("CC", str(compiler))
                 compile_at_first(COMPILED)
                 compile_small_functions(compiler, patch)
+            keep_interpreted_functions(patch)
         patch.setenv("CC", NO_COMPILER)
         yield
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from nospill.drawing.props import SceneBuilder
-from nospill.drawing.timeline import load_films
+from nospill.drawing.timeline import load_films, make_film
 from nospill.drawing.views import View
-from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.scenario.examples import EXAMPLES
 from tests.builders import with_few_speeds
@@ -22,13 +22,22 @@ RATE = 2.0
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_objects_fill_a_tenth_of_the_picture_as_planned(
-    name: str, example_plan: Callable[[str], Plan], tmp_path: Path
-) -> None:
-    plan, folder = with_few_speeds(example_plan(name)), tmp_path / name
-    plan.save(folder)
-    assert load_plan(folder).trajectory.t[-1] == plan.trajectory.t[-1]
-    film = load_films([folder], rate=RATE, after_end=0.0)[0]
+def test_objects_fill_a_tenth_of_the_picture_as_planned(name: str, example_plan: Callable[[str], Plan]) -> None:
+    plan = example_plan(name)
+    film = make_film(plan, plan.evidence, rate=RATE)
     hand = SceneBuilder(film, path=False)
     # in the widest picture, where they are smallest
     assert min(share_of_objects(hand, index, View.TRAY, 16 / 9) for index in range(len(film.t))) >= 0.1
+
+
+@pytest.mark.slow
+def test_a_folder_has_the_film_of_its_plan(example_plan: Callable[[str], Plan], tmp_path: Path) -> None:
+    plan = with_few_speeds(example_plan("matrix-liquid"))
+    plan.save(tmp_path / "plan")
+    film, saved = (
+        make_film(plan, plan.evidence, rate=RATE),
+        load_films([tmp_path / "plan"], rate=RATE, after_end=0.0)[0],
+    )
+    assert np.array_equal(saved.t, film.t) and saved.end_time == film.end_time
+    assert np.allclose(saved.joint_position, film.joint_position, rtol=0.0, atol=1e-9)
+    assert np.allclose(saved.tray_position, film.tray_position, rtol=0.0, atol=1e-9)
