@@ -11,6 +11,7 @@ from nospill.execution.bands import CERTIFIED, NOT_CERTIFIED, OPEN
 from nospill.execution.executed import executed
 from nospill.execution.reading import read_log
 from nospill.plans.plan import Plan
+from tests.builders import with_few_speeds
 from tests.execution.logs import log_of
 
 QUICK = ("matrix-liquid", "matrix-rigid", "pp-two-cups", "shelf-to-table")
@@ -21,7 +22,7 @@ QUICK = ("matrix-liquid", "matrix-rigid", "pp-two-cups", "shelf-to-table")
 @pytest.mark.parametrize("name", QUICK)
 def test_an_example_s_own_file_is_certified_as_the_plan(name: str, example_plan, tmp_path: Path) -> None:
     plan: Plan = example_plan(name)
-    plan.save(tmp_path / "plan")
+    with_few_speeds(plan).save(tmp_path / "plan")
     file = tmp_path / "plan" / "robot.csv"
     log = read_log(file, plan.scene.robot) if file.is_file() else log_of(plan, noise=0.0, jitter=0.0)
     found = executed(log, plan.scene, plan=plan)
