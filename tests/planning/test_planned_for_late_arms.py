@@ -75,6 +75,22 @@ def test_jerks_weigh_more_only_for_heights_at_the_end() -> None:
     assert heavier(2.0, _band(residual_height=9.0).use.items()) == pytest.approx(20.0)
 
 
+def test_weights_rise_until_a_height_that_falls_as_a_small_power_of_them_holds() -> None:
+    """As on shelf-to-table over half of its band: the square of a small excess alone took 20 rounds, and 8 are given."""
+    factor, rounds = 1.0, 0
+    while (use := 1.9 * factor**-0.1) > 1.0:
+        factor, rounds = heavier(factor, _band(residual_height=use).use.items()), rounds + 1
+    assert rounds <= 7
+    slight = heavier(1000.0, _band(residual_height=1.01).use.items())
+    assert slight < 1.5 * 1000.0
+
+
+def test_weights_rise_half_way_at_most_to_those_that_hold() -> None:
+    uses = _band(residual_height=1.5).use
+    assert heavier(100.0, uses.items(), holds_with=144.0) == pytest.approx(120.0)
+    assert heavier(100.0, uses.items(), holds_with=50.0) == heavier(100.0, uses.items())
+
+
 def test_jerks_weigh_more_for_any_row_where_joints_ring() -> None:
     assert heavier(2.0, _band(slip=1.05).use.items(), rings=True) == pytest.approx(2.5)
     assert rings_far(_band(slip=9.0), 10.0)

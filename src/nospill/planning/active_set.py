@@ -88,6 +88,7 @@ class ActiveSet:
         excess: largest part of its limit by which a row on the final state was over it before the last back-off.
         crests: of the broken rows in the problem before the last back-off.
         margins: what rows keep along the motion beside that, for arms that are late.
+        holds_with: factor on the weights of the jerks with which a motion over the band held.
     """
 
     task: Task
@@ -104,6 +105,7 @@ class ActiveSet:
     excess: float = 0.0
     crests: Crests = field(default_factory=dict)
     margins: Mapping[RowId, Margin] = field(default_factory=dict)
+    holds_with: float = np.inf
 
     @classmethod
     def of(
@@ -199,7 +201,7 @@ class ActiveSet:
             return following  # what the arm does as it is stated comes first
         names, tracking = following.names, self.task.scene.tracking
         rings = tracking is not None and tracking.resonance is not None
-        factor = heavier(following.jerk_weight_factor, band.use.items(), rings=rings)
+        factor = heavier(following.jerk_weight_factor, band.use.items(), rings=rings, holds_with=self.holds_with)
         if rings and rings_far(band, following.jerk_weight_factor):
             return replace(following, jerk_weight_factor=factor)
         margins = next_margins(self.margins, band, names, judgement.end_time)
@@ -291,7 +293,8 @@ class ActiveSet:
         """
         if self.margins and judgement.band is not None:
             margins = next_margins({}, judgement.band, self.names, judgement.end_time)
-            return replace(self, margins=margins, jerk_weight_factor=lighter(self.jerk_weight_factor))
+            light, heavy = lighter(self.jerk_weight_factor), self.jerk_weight_factor
+            return replace(self, margins=margins, jerk_weight_factor=light, holds_with=heavy)
         own = list(self._on_members(judgement.variant_rows))
         factor = rougher(self.jerk_weight_factor, own)
         if factor == self.jerk_weight_factor:

@@ -115,7 +115,14 @@ def certify_by_refinement(candidate: Candidate, log: Log) -> Judged:
     Raises:
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
-    judged = _lightened(_refine_until_certified(candidate, log), log)
+    judged = _refine_until_certified(candidate, log)
+    if judged.candidate.active.margins:  # a motion with less back-off shows what weight of the jerks it needs
+        return _lightened(_relaxed(judged, log), log)
+    return _relaxed(_lightened(judged, log), log)
+
+
+def _relaxed(judged: Judged, log: Log) -> Judged:
+    """A certified motion solved once more with less back-off, where that is worth it; the shorter of both."""
     last, end = judged.candidate, judged.trajectory.end_time
     if not judged.judgement.certificate.ok or not last.has_converged or log.out_of_time:
         return judged

@@ -7,6 +7,7 @@ no margin takes away, since it adds up over the whole motion: there the jerks we
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -26,6 +27,9 @@ _MOST, _MOST_AT_END = 0.8, 0.75
 """Part of a budget that is kept at most."""
 _LIGHTEST, _HEAVIER, _HEAVIEST = 1.25, 10.0, 1e4
 """Factor on the weight of the jerks from round to round, at least and at most, and in all."""
+_RISEN, _CLEARLY = 0.5, 0.1
+"""Power of what the weights have risen by already with which they rise at least, and the excess from which they do:
+heights after the end fall as a small power of the weights, so that equal factors gain less from round to round."""
 _LIGHTER = 3.0
 """By which it is divided where a motion holds."""
 _RINGS_FAR = 1.4
@@ -126,13 +130,25 @@ def _part_of(tracking: Tracking, part: float) -> str:
     return f" ({', '.join(found)})" if found else ""
 
 
-def heavier(factor: float, uses: Iterable[tuple[RowId, float]], *, rings: bool = False) -> float:
+def heavier(
+    factor: float, uses: Iterable[tuple[RowId, float]], *, rings: bool = False, holds_with: float = math.inf
+) -> float:
     """Factor on the weights of the jerks: more where a height at the end is over its limit; any row where joints ring.
 
     Ringing is what steps of the jerk leave behind, and what smoother jerks do not.
+
+    Args:
+        factor: of the last problem.
+        uses: over the band.
+        rings: whether joints ring.
+        holds_with: factor with which a motion holds: no more than half way to it, in powers.
     """
     over = max((use for row, use in uses if rings or row.constraint in END_NAMES), default=0.0)
-    return min(min(max(over**2, _LIGHTEST), _HEAVIER) * factor, _HEAVIEST) if over > 1.0 else factor
+    if over <= 1.0:
+        return factor
+    risen = factor ** (_RISEN * min((over - 1.0) / _CLEARLY, 1.0))
+    more = min(min(max(over**2, risen, _LIGHTEST), _HEAVIER) * factor, _HEAVIEST)
+    return min(more, math.sqrt(factor * holds_with)) if factor < holds_with else more
 
 
 def rings_far(band: Band, factor: float) -> bool:
