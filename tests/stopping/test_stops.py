@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,12 +14,13 @@ from typer.testing import CliRunner
 
 import nospill as ns
 from nospill.cli import app
-from nospill.errors import ScenarioError
+from nospill.errors import PlanFolderError, ScenarioError
 from nospill.laws.constraints import OBJECT_NAMES
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.plans.plan import Plan
 from nospill.plans.stops import ControllerStop, Stops, stopped
 from nospill.stopping.controller import BrakedJoints, SlowedClock, braked, slowed_to_rest
+from nospill.stopping.films import stop_films
 
 EVERY = 1.2
 """s; three instants."""
@@ -136,5 +138,25 @@ def test_the_command_writes_table_figure_and_library(plan: Plan, tmp_path: Path)
     files = {entry["file"] for entry in table["stops"]} - {None}
     assert files == {item.name for item in (folder / "stops").iterdir()}
     assert ns.load_plan(folder).certificate.ok
+    _is_shown_beside_braked_joints(folder, plan, table)
     refused = CliRunner().invoke(app, ["stops", str(folder), "--deceleration", "0 rad/s^2"])
     assert refused.exit_code == 2 and len(refused.stderr.strip().splitlines()) <= 3
+
+
+def _is_shown_beside_braked_joints(folder: Path, plan: Plan, table: dict[str, Any]) -> None:
+    """Two films of one length, the same until the instant, then each on its own way to rest."""
+    own, brake = stop_films(folder, 3.0, rate=10.0, after_end=0.2)
+    assert [film.plan.scene.name for film in (own, brake)] == ["spill-free stop", "joints braked"]
+    assert own.plan.certificate.ok and not brake.plan.certificate.ok
+    assert own.end_time == pytest.approx(3.0 + table["stops"][0]["stops_in_s"])
+    assert brake.end_time == pytest.approx(3.0 + table["controller"][0]["stops_in_s"])
+    assert len(own.t) == len(brake.t) and own.length >= own.end_time + 0.2 - 1e-9
+    np.testing.assert_allclose(own.joint_position[:31], brake.joint_position[:31], atol=1e-5)
+    for film in (own, brake):
+        np.testing.assert_allclose(film.joint_position[film.index(film.end_time) + 1], film.joint_position[-1])
+    assert np.max(np.abs(own.joint_position[-1] - brake.joint_position[-1])) > 1e-3
+    with pytest.raises(ScenarioError, match=r"--stop 2\.5 s: .* nearest is from 3 s"):
+        stop_films(folder, 2.5, rate=10.0, after_end=0.2)
+    (folder / "stops.json").write_text("{}", encoding="utf-8")
+    with pytest.raises(PlanFolderError, match="damaged"):
+        stop_films(folder, 3.0, rate=10.0, after_end=0.2)

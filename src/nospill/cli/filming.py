@@ -10,6 +10,7 @@ import typer
 from nospill.cli.progress import ProgressLine
 
 if TYPE_CHECKING:  # for annotations only: everything heavy is imported inside the command
+    from nospill.drawing.timeline import Film
     from nospill.drawing.views import View
 
 _AFTER_END = 0.4
@@ -17,6 +18,17 @@ _AFTER_END = 0.4
 
 VIEWS = "tray: follow it; fixed: fixed to it, the world tilts; arm: all of it; above: all from there."
 """What --view may be."""
+
+
+StopOption = Annotated[
+    str | None,
+    typer.Option(
+        "--stop",
+        metavar="TIME",
+        help="The spill-free stop that nospill stops has found from there, beside the joints braked.",
+        show_default=False,
+    ),
+]
 
 
 def film(
@@ -38,22 +50,40 @@ def film(
     ] = "tray",
     size: Annotated[str, typer.Option("--size", metavar="WxH", help="Width and height in pixels.")] = "1280x720",
     rate: Annotated[float, typer.Option("--rate", metavar="FPS", help="Pictures per second.")] = 25.0,
+    stop: StopOption = None,
 ) -> int:
-    """Film a plan, or two side by side on one clock: arm, tray, liquids, time and verdict."""
+    """Film a plan, two side by side on one clock, or a stop beside the joints braked: arm, tray, liquids, verdict."""
     with ProgressLine() as progress:
-        from nospill.drawing.timeline import load_films
         from nospill.film.writing import Format, require_film, save_film
 
         form = Format(chosen_view(view), speed, _size(size), rate)
         target = output.expanduser()
         require_film(target)
-        folders = [folder] if other is None else [folder, other]
-        films = load_films(folders, rate=form.motion_rate, after_end=_AFTER_END)
+        films = shown_films(folder, other, stop, rate=form.motion_rate, after_end=_AFTER_END)
         count = save_film(
             films, target, form, progress=lambda done, total: progress.say("film", f"picture {done} of {total}")
         )
     print(f"written to {output} ({count} pictures, {count / rate:.1f} s, {target.stat().st_size / 1e6:.1f} MB)")
     return 0
+
+
+def shown_films(folder: Path, other: Path | None, stop: str | None, *, rate: float, after_end: float) -> list[Film]:
+    """A plan, two plans, or the two motions of a stop, cut at a rate, and so much longer, s.
+
+    Raises:
+        ScenarioError: a stop of two plans, or one that is not there. PlanFolderError: a folder is not a plan.
+    """
+    from nospill.core.units import quantity
+    from nospill.drawing.timeline import load_films
+    from nospill.errors import ScenarioError
+
+    if stop is None:
+        return load_films([folder] if other is None else [folder, other], rate=rate, after_end=after_end)
+    if other is not None:
+        raise ScenarioError(f"--stop {stop}: a stop is of one plan, and {other} is another; leave one of them out")
+    from nospill.stopping.films import stop_films
+
+    return stop_films(folder, quantity(stop, "time"), rate=rate, after_end=after_end)
 
 
 def chosen_view(name: str) -> View:

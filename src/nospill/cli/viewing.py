@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.filming import VIEWS, chosen_view
+from nospill.cli.filming import VIEWS, StopOption, chosen_view, shown_films
 from nospill.cli.tables import say
 
 if TYPE_CHECKING:  # for annotations only, as everything heavy is imported inside the command
@@ -37,18 +37,17 @@ def view(
         typer.Option("--urdf", metavar="FILE", help="A URDF of the same arm with meshes.", show_default=False),
     ] = None,
     start: Annotated[str, typer.Option("--view", metavar="VIEW", help=f"{VIEWS} Live there are buttons.")] = "tray",
+    stop: StopOption = None,
 ) -> int:
     """Watch a plan: arm, tray, liquids and charts in the browser, or as one HTML file."""
-    from nospill.drawing.timeline import load_films
     from nospill.viewer.library import require_viser
 
     require_viser()
     seen = chosen_view(start)
-    folders = [folder] if other is None else [folder, other]
     if html is not None:
         from nospill.viewer.html import HTML_RATE, LARGEST_FILE, save_html
 
-        films = load_films(folders, rate=HTML_RATE, after_end=AFTER_END)
+        films = shown_films(folder, other, stop, rate=HTML_RATE, after_end=AFTER_END)
         size = save_html(films, html, visuals=_visuals(urdf, films), view=seen)
         print(f"written to {html} ({size / 1e6:.1f} MB)")
         if size > LARGEST_FILE:
@@ -57,7 +56,7 @@ def view(
         return 0
     from nospill.viewer.live import LIVE_RATE, live_viewer
 
-    films = load_films(folders, rate=LIVE_RATE, after_end=AFTER_END)
+    films = shown_films(folder, other, stop, rate=LIVE_RATE, after_end=AFTER_END)
     visuals = _visuals(urdf, films)
     with suppress(KeyboardInterrupt), live_viewer(films, port=port, visuals=visuals, view=seen) as (address, _):
         print(f"{address}  (stop with Ctrl-C)", flush=True)

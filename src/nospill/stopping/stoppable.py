@@ -20,7 +20,8 @@ from nospill.planning.request import requested_scene
 from nospill.plans.plan import Plan
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
-from nospill.stopping.stops import EVERY, spill_free_stops
+from nospill.stopping.longest import longest_stop
+from nospill.stopping.stops import EVERY
 
 _TRIES = 8
 """Plans that are made at most, the first without a bound included."""
@@ -127,16 +128,11 @@ def plan_stoppable(
 def _longest(made: Plan, every: float, within: float) -> tuple[float, float]:
     """The longest time from any instant of a plan until the arm stands, s, and the instant of its stop, s.
 
-    What is left of the plan after the last instant is shorter than the time asked for; no stop of a plan that is not
-    certified is known.
+    No stop of a plan that is not certified is known.
     """
     if not made.certificate.ok:
         return np.inf, 0.0
-    if made.duration <= within:  # what is left of it is always a stop
-        return made.duration, 0.0
-    found = spill_free_stops(made, every, within - every)
-    worst = max(found, key=lambda stop: stop.duration, default=None)
-    return (within, 0.0) if worst is None else (worst.duration + every, worst.t)
+    return longest_stop(made, every, within)
 
 
 def _greatest_speed(made: Plan) -> float:

@@ -72,7 +72,7 @@ def stops(
             raise ScenarioError(f"{name} = {value:g} s: a time of 0.001 to 60 s is needed")
     if not 0.0 < residual <= 1.0:
         raise ScenarioError(f"residual = {residual:g}: a part of max_slosh_height is needed, above 0 and up to 1")
-    _require_stoppable(plan)
+    require_stoppable(plan)
     instants = np.arange(every, plan.duration - _SHORTEST_LEFT, every)
     if not len(instants):
         raise ScenarioError(f"every = {every:g} s: the motion takes {plan.duration:.3f} s, no instant lies within it")
@@ -90,32 +90,11 @@ def stops(
     )
 
 
-def spill_free_stops(plan: Plan, every: float, enough: float) -> list[Stop]:
-    """The stops of a plan, as `stops` finds them, from every instant after which more than a time, s, is left of it.
-
-    Args:
-        plan: certified.
-        every: s, between the instants.
-        enough: s; a stop that takes no longer is good enough, and no faster one is looked for.
-
-    Raises:
-        ScenarioError: as `stops`.
-        NoSolutionError: likewise.
-    """
-    _require_stoppable(plan)
-    own_way = along_own_way(plan, every)
-    instants = np.arange(every, plan.duration - max(enough, _SHORTEST_LEFT), every)
-    states = states_of(own_way.trajectory, own_way.scene, instants) if len(instants) else []
-    return _waiting(own_way, states, list(_one_by_one(own_way, states, 1.0, enough)), 1.0)
-
-
-def _one_by_one(
-    plan: Plan, states: Sequence[MotionState], residual: float, enough: float | None = None
-) -> Iterator[Stop]:
+def _one_by_one(plan: Plan, states: Sequence[MotionState], residual: float) -> Iterator[Stop]:
     """The stop from every state, each solved from the one before it."""
     joint_path, found = joint_path_of(plan), None
     for number, state in enumerate(states, start=1):
-        above = enough if enough is not None else 0.0 if number % _AFRESH == 0 else math.inf
+        above = 0.0 if number % _AFRESH == 0 else math.inf
         stop, found = stop_from(plan, state, joint_path, found, residual=residual, afresh_above=above)
         yield stop
 
@@ -145,7 +124,12 @@ def _is_library(names: set[str]) -> bool:
     return all(name.endswith(".csv") for name in names)
 
 
-def _require_stoppable(plan: Plan) -> None:
+def require_stoppable(plan: Plan) -> None:
+    """Refuse a plan of which no stop, or no state, is known.
+
+    Raises:
+        ScenarioError: it is not certified, or has a range of speeds or a controller with delay or lag.
+    """
     name, rules = plan.scene.name, plan.scene.motion
     if not plan.certificate.ok:
         raise ScenarioError(f"{name}: this plan is not certified, and what is left of it is no stop: plan it anew")
