@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -26,7 +25,6 @@ def search(
     plan = gentle_plan("matrix-liquid-soft-end", 1)
     monkeypatch.setattr(longest, "along_own_way", lambda plan, every: plan)
     monkeypatch.setattr(longest, "joint_path_of", lambda plan: None)
-    monkeypatch.setattr(longest, "sooner_by_waiting", _later)
 
     def found(law: Callable[[float], float], within: float) -> tuple[float, float, list[float]]:
         looked: list[float] = []
@@ -41,11 +39,6 @@ def search(
         return *longest_stop(plan, EVERY, within), looked
 
     return found
-
-
-def _later(plan: Plan, state: MotionState, own: Stop, following: Stop, residual: float) -> Stop:
-    takes = following.t - own.t + following.duration
-    return replace(own, duration=min(own.duration, takes))
 
 
 def test_few_instants_do_where_stops_are_short(search: Callable[..., tuple[float, float, list[float]]]) -> None:
@@ -63,9 +56,17 @@ def test_more_are_looked_at_where_a_wait_is_too_long(search: Callable[..., tuple
     assert extra and len(looked) < 2 * len(few)
 
 
-def test_a_stop_that_takes_too_long_ends_the_search(search: Callable[..., tuple[float, float, list[float]]]) -> None:
+def test_an_instant_without_a_stop_is_passed_over(search: Callable[..., tuple[float, float, list[float]]]) -> None:
     few = search(lambda part: 0.4, 0.5)[2]
-    takes, at, looked = search(lambda part: 1.2 if 0.3 < part < 0.7 else 0.4, 0.5)
+    missed = few[len(few) // 2]
+    total = search(lambda part: 0.4, 100.0)[0]
+    takes, _, looked = search(lambda part: 100.0 if abs(part - missed / total) < 1e-6 else 0.4, 0.5)
+    assert takes <= 0.5 + 1e-9 and missed in looked and len(looked) <= len(few) + 2
+
+
+def test_a_part_without_short_stops_ends_the_search(search: Callable[..., tuple[float, float, list[float]]]) -> None:
+    few = search(lambda part: 0.4, 0.5)[2]
+    takes, at, looked = search(lambda part: 1.2 if 0.3 < part < 0.8 else 0.4, 0.5)
     assert takes > 0.5 and at in looked and len(looked) <= len(few)
     takes, _, looked = search(lambda part: 0.4, 100.0)
     assert takes < 100.0 and not looked
