@@ -76,7 +76,7 @@ def test_jerks_weigh_more_only_for_heights_at_the_end() -> None:
 
 
 def test_weights_rise_until_a_height_that_falls_as_a_small_power_of_them_holds() -> None:
-    """As on shelf-to-table over half of its band: the square of a small excess alone took 20 rounds, and 8 are given."""
+    """As on shelf-to-table over half its band: the square of a small excess alone took 20 rounds, and 8 are given."""
     factor, rounds = 1.0, 0
     while (use := 1.9 * factor**-0.1) > 1.0:
         factor, rounds = heavier(factor, _band(residual_height=use).use.items()), rounds + 1
