@@ -21,6 +21,7 @@ from nospill.laws.constraints.tilt import Tilt
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.joint_paths.no_joint_path import place_in_words
 from nospill.robots.joint_paths.search import JointPath
+from nospill.scene.perturbation import without_swing
 from nospill.scene.scene import Scene
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.problem import build_problem
@@ -48,8 +49,8 @@ def is_hopeless(scene: Scene, joint_path: JointPath) -> bool:
 
 def require_possible_at_rest(trials: Trials) -> None:
     """Raise NoSolutionError if a limit is broken somewhere on the path even by standing there with a level tray."""
-    scene, joint_path = trials.run.scene, trials.joint_path
-    certain = trials.run.trial(scene, joint_path).scene
+    scene, joint_path = _from_rest(trials.run.scene), trials.joint_path
+    certain = _from_rest(trials.run.trial(trials.run.scene, joint_path).scene)
     key = _row_at_rest(certain, joint_path)
     if key is None:
         return
@@ -101,6 +102,11 @@ def _row_at_rest(scene: Scene, joint_path: JointPath) -> RowId | None:
         key: value for key, value in row_slack(problem, still).items() if value < 0.0 and key.constraint != Tilt.name
     }
     return min(slack, key=lambda key: slack[key]) if slack else None
+
+
+def _from_rest(scene: Scene) -> Scene:
+    """The scene without what moves when its motion begins: nothing stands still that swings."""
+    return replace(scene, cargo=tuple(map(without_swing, scene.cargo)), initial_state=None)
 
 
 def with_time(scene: Scene, max_duration: float) -> Scene:

@@ -9,7 +9,6 @@ fail where 20 ms before or after it does not.
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 from nospill.plans.plan import Plan
 from nospill.plans.state import states_of
@@ -42,9 +41,12 @@ def longest_stop(plan: Plan, every: float, within: float) -> tuple[float, float]
     if plan.duration <= within:
         return plan.duration, 0.0
     last = math.ceil((plan.duration - within) / every - 1e-9) + 1  # what is left from there is short enough
+    after = [
+        index for index in range(last + _STRIDE, last + 3 * _STRIDE, _STRIDE) if index * every < plan.duration - 0.1
+    ]
     own_way = along_own_way(plan, every)
     joint_path = joint_path_of(own_way)
-    chosen = list(reversed(range(last, 0, -_STRIDE)))
+    chosen = [*reversed(range(last, 0, -_STRIDE)), *after]
     own: dict[int, Stop] = {}
     found: dict[int, Found] = {}
     while True:
@@ -55,8 +57,9 @@ def longest_stop(plan: Plan, every: float, within: float) -> tuple[float, float]
             if solved is not None:
                 found[index] = solved
         good = sorted(index for index, stop in own.items() if stop.duration <= within - every + 1e-9)
-        waits = [((b - a) * every + own[b].duration, a, b) for a, b in pairwise([0, *good])]
-        worst, _, b = max(waits)
+        begun = [0, *(index for index in good if index < last - 1)]
+        waits = (min(((b - a) * every + own[b].duration, b) for b in good if b > a) for a in begun)
+        worst, b = max(waits)
         reach = math.floor((within - own[b].duration) / every + 1e-9)
         chosen = [index for index in range(b - reach, b) if index > 0 and index not in own][:1]
         if worst <= within + 1e-9 or not chosen or len(good) < _HOPELESS * len(own):
