@@ -21,14 +21,7 @@ from typer.main import get_command
 from typer.testing import CliRunner, Result
 
 from nospill.cli.reporting import INTERNAL_ERROR
-from tests.hasty import (
-    COMPILED,
-    NO_COMPILER,
-    compile_at_first,
-    compile_small_functions,
-    hasty_compiler,
-    keep_interpreted_functions,
-)
+from tests.hasty import COMPILED, NO_COMPILER, compile_at_first, compile_small_functions, hasty_compiler
 
 if TYPE_CHECKING:  # a file of tests that plans nothing is run without the planner and the judge
     from nospill.motion.interpolation import JointSamples
@@ -72,7 +65,6 @@ def hasty() -> Iterator[None]:
                 patch.setenv("CC", str(compiler))
                 compile_at_first(COMPILED)
                 compile_small_functions(compiler, patch)
-            keep_interpreted_functions(patch)
         patch.setenv("CC", NO_COMPILER)
         yield
 

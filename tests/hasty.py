@@ -5,24 +5,16 @@ Imports little: a file of tests that plans nothing is run in a second or two.
 
 from __future__ import annotations
 
-import hashlib
 import os
-import pickle
 import re
 import shutil
-import zlib
-from collections.abc import Callable, Hashable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
-from casadi import CasadiMeta
 
 from nospill.compiled import codegen
-from nospill.compiled.cache_folder import mode
 from nospill.compiled.codegen import source_digest
-from nospill.compiled.tape import Tape
 
 AT_FIRST = re.compile(r"linear solver|ur10e, \w+ tray: problem")
 """Beginnings of the labels of the parts that are compiled before the first test."""
@@ -38,9 +30,6 @@ COMPILED = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
 
 COMPILER = os.environ.get("CC", "cc")
 """As the user has it."""
-
-OF_THE_PACKAGE = codegen.functions, codegen.read_tape
-"""What the fixtures replace."""
 
 
 def compile_at_first(folder: Path) -> None:
@@ -91,51 +80,4 @@ def compile_small_functions(compiler: Path, patch: pytest.MonkeyPatch) -> None:
                 own.setenv("CC", str(compiler))
             return made(kind, *arguments, **options)
 
-    patch.setattr(codegen, "functions", functions)
-
-
-def keep_interpreted_functions(patch: pytest.MonkeyPatch) -> None:
-    """Have functions of problems, which are not compiled, built and read once for all workers and runs.
-
-    To build them and to read their tapes takes four tenths of the time of a plan with interpreted functions. The key is
-    that of compiled functions: what they are for, their structure and the source they are made of; what another state
-    of the source has made is removed. A test that compiles, or switches compilation off, builds its own.
-    """
-    made, read = codegen.functions, codegen.read_tape
-    folder = COMPILED / "interpreted" / source_digest()[:32]
-    folder.mkdir(parents=True, exist_ok=True)
-    for earlier in set(folder.parent.iterdir()) - {folder}:
-        shutil.rmtree(earlier, ignore_errors=True)
-    known: dict[int, tuple[Any, Tape | None]] = {}  # by the function's identity; with it, so that it stays its own
-
-    def read_once(function: Any, *arguments: Any, **options: Any) -> Tape | None:
-        if id(function) not in known:
-            known[id(function)] = function, read(function, *arguments, **options)
-        return known[id(function)][1]
-
-    def functions(kind: str, structure: Hashable, build: Callable[[], Any], **options: Any) -> Any:
-        if kind not in OF_PROBLEMS or os.environ.get("CC") != NO_COMPILER or mode() != "wait":
-            return made(kind, structure, build, **options)
-        text = "\0".join((kind, CasadiMeta.version(), repr(structure)))
-        place = folder / f"{kind}-{hashlib.sha256(text.encode()).hexdigest()[:32]}"
-        new: list[Any] = []
-
-        def kept_or_built() -> Any:
-            with suppress(OSError, zlib.error, pickle.UnpicklingError, EOFError):
-                *built, tapes = pickle.loads(zlib.decompress(place.read_bytes()))
-                known.update({id(built[0][name]): (built[0][name], tape) for name, tape in tapes.items()})
-                return tuple(built)
-            new.extend(build())
-            return tuple(new)
-
-        answer = made(kind, structure, kept_or_built, **options)
-        if new and all(each.is_a("SXFunction") for each in new[0].values()):
-            tapes = {name: known[id(each)][1] for name, each in new[0].items() if id(each) in known}
-            written = place.with_suffix(f".{os.getpid()}")
-            written.write_bytes(zlib.compress(pickle.dumps((*new, tapes)), 1))
-            written.replace(place)
-        known.clear()
-        return answer
-
-    patch.setattr(codegen, "read_tape", read_once)
     patch.setattr(codegen, "functions", functions)

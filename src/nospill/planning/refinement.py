@@ -31,8 +31,9 @@ from nospill.transcription.trajectory_start import from_trajectory
 REFINE_ITERATIONS = 150
 _TIGHTEN_ITERATIONS = 100
 _TIGHTEN_BARRIER = 1e-6
-_ROUNDS = 8
-"""Of tightening, since members last joined."""
+_ROUNDS, _ROUNDS_OVER_BAND = 8, 16
+"""Of tightening, since members last joined; over a band of arms more, since heights after the end fall as a small power
+of the weights of the jerks, which rise the less the less is missing."""
 _GROWTHS = 12
 _ALIKE = 0.8
 """Part of the coarse answer's duration that a fine one near it takes at least."""
@@ -160,7 +161,8 @@ def _refine_until_certified(candidate: Candidate, log: Log, *, below: float = ma
     """
     judged = furthest = _judge(candidate, log)
     tightened = grown = 0
-    while not judged.judgement.leaves_margin and tightened < _ROUNDS and grown < _GROWTHS and not log.out_of_time:
+    most = _ROUNDS if candidate.active.task.scene.tracking is None else _ROUNDS_OVER_BAND
+    while not judged.judgement.leaves_margin and tightened < most and grown < _GROWTHS and not log.out_of_time:
         if judged.trajectory.end_time >= below:
             break
         before, certified = judged.candidate, judged.judgement.certificate.ok

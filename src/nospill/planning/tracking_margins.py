@@ -27,9 +27,6 @@ _MOST, _MOST_AT_END = 0.8, 0.75
 """Part of a budget that is kept at most."""
 _LIGHTEST, _HEAVIER, _HEAVIEST = 1.25, 10.0, 1e4
 """Factor on the weight of the jerks from round to round, at least and at most, and in all."""
-_RISEN, _CLEARLY = 0.5, 0.1
-"""Power of what the weights have risen by already with which they rise at least, and the excess from which they do:
-heights after the end fall as a small power of the weights, so that equal factors gain less from round to round."""
 _LIGHTER = 3.0
 """By which it is divided where a motion holds."""
 _RINGS_FAR = 1.4
@@ -146,8 +143,7 @@ def heavier(
     over = max((use for row, use in uses if rings or row.constraint in END_NAMES), default=0.0)
     if over <= 1.0:
         return factor
-    risen = factor ** (_RISEN * min((over - 1.0) / _CLEARLY, 1.0))
-    more = min(min(max(over**2, risen, _LIGHTEST), _HEAVIER) * factor, _HEAVIEST)
+    more = min(min(max(over**2, _LIGHTEST), _HEAVIER) * factor, _HEAVIEST)
     return min(more, math.sqrt(factor * holds_with)) if factor < holds_with else more
 
 
