@@ -34,7 +34,7 @@ def test_a_limit_that_is_given_stays() -> None:
 def test_the_default_limit_follows_the_fill() -> None:
     entry = {key: value for key, value in TABLE["cargo"][0].items() if key != "max_slosh_height"}  # type: ignore[index]
     [cargo] = scene_from_table(TABLE | {"cargo": [entry]}, name="t").cargo
-    fuller = perturbed(cargo, Perturbation(liquid_height=0.01), fidelity="full").filling
+    fuller = perturbed(cargo, Perturbation(liquid_height=0.01), fidelity="deliverable").filling
     assert fuller is not None
     assert fuller.max_slosh_height == pytest.approx(0.9 * (FREEBOARD - 0.01))
 

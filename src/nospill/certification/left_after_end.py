@@ -152,6 +152,8 @@ def left_read(found: Mapping[str, Mapping[str, Any]] | None) -> dict[str, LeftAf
     """What `left_written` wrote.
 
     Raises:
-        TypeError: a key is missing.
+        TypeError: a key is missing, or it is no table.
     """
+    if not (found is None or (isinstance(found, dict) and all(isinstance(own, dict) for own in found.values()))):
+        raise TypeError("no table of liquids")
     return None if found is None else {name: LeftAfterEnd(**own) for name, own in found.items()}

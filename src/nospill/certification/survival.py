@@ -195,7 +195,7 @@ def survived(plan: Looked, fault: Fault) -> Survived:
     plan = replace(plan, few=plan.few.only(near))
     seen, combinations = 0.0, []
     for _ in range(_ROUNDS):
-        if max(size, seen) > _ALIKE * min(size, seen):
+        if not combinations or max(size, seen) > _ALIKE * min(size, seen):
             seen, combinations = size, _combinations(plan, fault, size)
         use, row = _worst(plan, fault, size, combinations)
         use /= limit

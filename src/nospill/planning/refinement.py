@@ -117,8 +117,6 @@ def certify_by_refinement(candidate: Candidate, log: Log) -> Judged:
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
     judged = _refine_until_certified(candidate, log)
-    if judged.candidate.active.margins:  # a motion with less back-off shows what weight of the jerks it needs
-        return _lightened(_relaxed(judged, log), log)
     return _relaxed(_lightened(judged, log), log)
 
 
