@@ -8,8 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nospill.certification.certificate import judge
 from nospill.certification.clearance import NEAR, OTHERS
 from nospill.certification.happening import happening_line, tray_first
+from nospill.certification.tracked_rows import without_reserve
 from nospill.certification.verdict import Row, Trace, limit_trace
 from nospill.errors import ScenarioError
 from nospill.execution.bands import CERTIFIED, NOT_CERTIFIED, OPEN, WIDE, height_bands, outcome, row_bands
@@ -363,3 +365,15 @@ def test_rows_about_the_tray_come_before_those_of_the_arm() -> None:
     rows = [row("joint acceleration", 1.5), row("slip", 1.02), row("tilt", 1.01), row("slosh height", 0.9)]
     ordered = [item.constraint for item in tray_first(rows)]
     assert ordered == ["slip", "slosh height", "joint acceleration", "tilt"]
+
+
+def test_what_the_second_order_adds_to_a_height_counts_once(gentle_plan: Callable[..., Plan]) -> None:
+    """The way to the rim of a prism is its freeboard, and the height is that of the certificate."""
+    made = gentle_plan("matrix-liquid-tilt", cargo=1)
+    judged = judge(made.trajectory, made.scene)
+    (row,) = [row for row in judged.certificate.rows if row.constraint == SloshHeight.name]
+    cup = made.scene.cargo[0]
+    assert cup.filling is not None and row.linear_value is not None
+    assert abs(row.worst_value - row.linear_value) > 1e-4
+    use = without_reserve(judged.replay, made.scene, judged.certificate.rows)[row.id]
+    assert use == pytest.approx(row.worst_value / (cup.container.height - cup.filling.liquid_height), rel=2e-3)

@@ -187,13 +187,13 @@ def without_reserve(replay: Replay, scene: Scene, rows: Sequence[Row]) -> dict[R
     Args:
         replay: of the joints.
         scene: with its reserves.
-        rows: of the certificate of that replay: heights of second order and the pairs of bodies that are near.
+        rows: of the certificate of that replay, for the pairs of bodies that are near.
     """
     bare = of_joints_alone(replace(scene, cargo=tuple(map(_without_reserves, scene.cargo))))
     record = Trajectory.of_joints(
         replay.t, scene.robot.joints, replay.joint_position, replay.joint_speed, replay.joint_acceleration
     )
-    free = _freeboards(bare, rows)
+    free = _freeboards(bare, ())  # traces have what the second order adds
     uses = [(trace.id, _use_without_reserve(trace, free)) for trace in constraint_traces(record, bare, replay)]
     found = {row: float(np.max(use)) for row, use in uses if use is not None}
     near = [row for row in rows if row.constraint == Clearance.name]
