@@ -35,7 +35,7 @@ from nospill.plans.stops import NO_BOUND, Stop
 from nospill.robots.joint_paths.search import JointPath, path_through
 from nospill.scene.scene import Scene
 from nospill.stopping.bounds import bound_of
-from nospill.stopping.tightening import broken, faded, labels, tightened
+from nospill.stopping.tightening import broken, faded, tightened
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.margins_along import Margin
 from nospill.transcription.solvers import solve
@@ -46,15 +46,17 @@ from nospill.transcription.starting_motions import motion_to_rest
 
 INTERVALS = 25
 """Of the grid; where liquids are in the problem with several modes, which are faster."""
-_PARTS = (0.5, 0.3, 0.75)
+_PARTS = (0.5, 1.0, 0.3)
 """Of what is left of the plan: durations of the smooth motions from which a stop is looked for from afar."""
 _TIGHTENED = 16
 """How often back-off and margins are raised; what is nearly certified is solved again in a few steps."""
 _OF_SUM = 0.3
 """First back-off of a residual height of several modes: the judge sums them, the optimiser adds their squares."""
-_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 80, 150, 30.0
+_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 80, 250, 30.0
 _SWINGS_ON = 1.0
 """s after the end, over which every limit is judged: three swings of a liquid of 35 mm, and the highest are first."""
+_SAME = 1e-3
+"""Ratio of two durations, less 1, up to which the motions count as the same."""
 _LEVEL = 1e-4
 """rad; of the tray at rest, about which what swings on is bounded: no row of a certificate looks at it."""
 _SOONER = 0.99
@@ -95,7 +97,7 @@ def stop_from(
     """
     began, left = time.perf_counter(), plan.duration - state.t
     scene = stopping_scene(plan.scene, state, residual)
-    found = None if before is None else _certified(scene, state, before.solution.stages, before, left)
+    found = None if before is None else _following(scene, state, before, left)
     if found is None or found.stop.duration > afresh_above:
         other = found_from_afar(scene, state, joint_path, left)
         if found is None or (other is not None and other.stop.duration < found.stop.duration):
@@ -135,9 +137,31 @@ def stopping_scene(scene: Scene, state: MotionState, residual: float = 1.0) -> S
 
 
 def found_from_afar(scene: Scene, state: MotionState, joint_path: JointPath, left: float) -> Found | None:
-    """The first certified stop that is found from smooth motions, at most as long as `left`, s; None where none is."""
-    others = (_certified(scene, state, start, None, left) for start in _from_afar(scene, state, joint_path, left))
-    return next((one for one in others if one is not None), None)
+    """The first certified stop that is found from smooth motions, at most as long as `left`, s; None where none is.
+
+    Where two of them lead to the same motion before anything is tightened, the second one is left out: what follows
+    from it would be the same.
+    """
+    task, known = Task.of(scene), list[float]()
+    for start in _from_afar(scene, state, joint_path, left):
+        active = _first(task, state)
+        first = _solved(active, start, None)
+        duration = first.stages.duration
+        if not first.converged or duration > left or any(abs(duration / other - 1.0) < _SAME for other in known):
+            continue
+        known.append(duration)
+        found = _certified(scene, state, active, first, left)
+        if found is not None:
+            return found
+    return None
+
+
+def _following(scene: Scene, state: MotionState, before: Found, left: float) -> Found | None:
+    """The certified stop that is found from another one; None where none is."""
+    active = _first(Task.of(scene), state).with_backoff(before.backoff)
+    active = replace(active, margins=faded(before.margins))
+    solution = _solved(active, before.solution.stages, before.solution)
+    return _certified(scene, state, active, solution, left)
 
 
 def joint_path_of(plan: Plan) -> JointPath:
@@ -167,33 +191,38 @@ def _first(task: Task, state: MotionState) -> ActiveSet:
     return active.with_backoff(sums)
 
 
-def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | None, left: float) -> Found | None:
-    """The stop that is solved from a motion, its back-off raised until it is certified; None where that fails."""
-    task = Task.of(scene)
-    active = replace(_first(task, state), expected=max(start.duration, 0.1))
-    warm = None
-    if before is not None:
-        active = replace(active.with_backoff(before.backoff), margins=faded(before.margins))
-        warm = before.solution
+def _solved(active: ActiveSet, start: Stages, warm: Solution | None) -> Solution:
+    """The answer from a motion, with the multipliers of another problem where there is one."""
+    options = SolveOptions(
+        max_iterations=_COLD_ITERATIONS if warm is None else _WARM_ITERATIONS,
+        max_time=_MOST_TIME,
+        tolerances=LOOSE,
+        kkt_error_globalization=warm is not None,
+        barrier_start=None if warm is not None else 1e-2,
+        bound_push=5e-4 if warm is not None else 1e-3,
+    )
+    expecting = replace(active, expected=max(start.duration, 0.1))
+    return solve(problem_about(expecting, start), start, options=options, warm=warm)
+
+
+def _certified(scene: Scene, state: MotionState, active: ActiveSet, solution: Solution, left: float) -> Found | None:
+    """The stop that follows from an answer, its back-off raised until it is certified; None where that fails.
+
+    Args:
+        scene: of the stop.
+        state: from which it begins.
+        active: of the problem that is answered.
+        solution: its answer.
+        left: s, that it may take at most.
+    """
     for _ in range(_TIGHTENED):
-        options = SolveOptions(
-            max_iterations=_COLD_ITERATIONS if warm is None else _WARM_ITERATIONS,
-            max_time=_MOST_TIME,
-            tolerances=LOOSE,
-            kkt_error_globalization=warm is not None,
-            barrier_start=None if warm is not None else 1e-2,
-            bound_push=5e-4 if warm is not None else 1e-3,
-        )
-        solution = solve(problem_about(active, start), start, options=options, warm=warm)
         if not solution.converged or solution.stages.duration > left:
             return None
         judged = _exported(active.scene, scene, solution.stages)
         if judged is None:
             return None
         record, judgement = judged
-        certified = judgement.certificate.ok
-        over = _over_after(active, scene, record) if certified else broken(active, judgement)
-        if certified and not over and np.max(np.abs(record.tilt[-1])) <= _LEVEL:
+        if judgement.certificate.ok and np.max(np.abs(record.tilt[-1])) <= _LEVEL:
             stop = Stop(
                 t=state.t,
                 duration=record.end_time,
@@ -206,10 +235,10 @@ def _certified(scene: Scene, state: MotionState, start: Stages, before: Found | 
                 bound=NO_BOUND,
             )
             return Found(stop, solution, dict(active.backoff), dict(active.margins))
-        tighter = tightened(active, over, judgement)
+        tighter = tightened(active, broken(active, judgement), judgement)
         if tighter is active:
             return None
-        active, start, warm = tighter, solution.stages, solution
+        active, solution = tighter, _solved(tighter, solution.stages, solution)
     return None
 
 
@@ -223,25 +252,12 @@ def _exported(model: Scene, scene: Scene, stages: Stages) -> tuple[Trajectory, J
 
 
 def judged_stop(record: Trajectory, scene: Scene) -> tuple[Trajectory, Judgement] | None:
-    """The record of a stop with the liquids that the judge finds, and its verdict; None where they have no answer."""
+    """The record of a stop with the liquids that the judge finds, and its verdict; None where they have no answer.
+
+    Every limit is judged while the arm stands after the end too: liquids may swing on.
+    """
     try:
-        judgement = judge_motion(record, scene)
+        judgement = judge_motion(record, replace(scene, motion=replace(scene.motion, hold_after=_SWINGS_ON)))
     except (ModelError, np.linalg.LinAlgError):
         return None
     return replace(record, slosh=judged_tracks(record, scene, judgement.replay, judgement.traces)), judgement
-
-
-def _over_after(active: ActiveSet, scene: Scene, record: Trajectory) -> dict[RowId, tuple[float, float]]:
-    """Use of the limits that break while liquids swing on after a stop, by the rows on how far these do."""
-    known = {row.subject for row in active.possible if row.constraint == ResidualHeight.name}
-    if not known:
-        return {}
-    swinging = replace(scene, motion=replace(scene.motion, hold_after=_SWINGS_ON))
-    over: dict[RowId, tuple[float, float]] = {}
-    for row in judge_motion(record, swinging).certificate.rows:
-        if not row.ok:
-            # a rack feels the liquids of all its vials
-            for label in known.intersection(labels(active, row.subject)) or known:
-                key = RowId(ResidualHeight.name, label)
-                over[key] = max((row.use, 1.0), over.get(key, (0.0, 1.0)))
-    return over

@@ -17,6 +17,7 @@ from nospill.certification.certificate import Judgement
 from nospill.certification.verdict import Trace
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.planning.active_set import ActiveSet
 from nospill.transcription.margins_along import Margin
@@ -31,18 +32,30 @@ _NEAR, _MOST_KEPT = 0.95, 0.8
 """Use of a height from which they are, and the most of them."""
 _STRONGER, _MOST_STEP, _AROUND = 1.3, 0.1, 2
 """By what of a height's excess they grow, at most at once, and on how many shares about it."""
-_FADES = 0.9
-"""Of the margins that the stop from the next instant begins with."""
+_FREE = 0.1
+"""Part of a limit by which a linear height is below what a margin leaves it where more of that would change nothing."""
+_FADES, _FADES_AT_START = 0.9, 0.97
+"""Of the margins of waves, and of those at the beginning, that the stop from the next instant begins with."""
 
 
 def broken(active: ActiveSet, judgement: Judgement) -> dict[RowId, tuple[float, float]]:
-    """Use of the limits that a stop breaks and the part of its duration where it does, by the rows of the problem."""
-    return {
-        RowId(row.constraint, label): (row.use, row.at_s / judgement.end_time)
-        for row in judgement.certificate.rows
-        if not row.ok and row.constraint in BY_NAME
-        for label in labels(active, row.subject)
-    }
+    """Use of the limits that a stop breaks and the part of its duration where it does, by the rows of the problem.
+
+    What breaks after the end does so because liquids swing on: it is a matter of the rows on how far these do. A rack
+    feels the liquids of all its vials.
+    """
+    swinging = {row.subject for row in active.possible if row.constraint == ResidualHeight.name}
+    over: dict[RowId, tuple[float, float]] = {}
+    for row in judgement.certificate.rows:
+        if row.ok or row.constraint not in BY_NAME:
+            continue
+        name, subjects = row.constraint, set(labels(active, row.subject))
+        if row.at_s > judgement.end_time and not row.at_end:
+            name, subjects = ResidualHeight.name, swinging & subjects or swinging
+        for label in subjects:
+            key = RowId(name, label)
+            over[key] = max((row.use, row.at_s / judgement.end_time), over.get(key, (0.0, 1.0)))
+    return over
 
 
 def labels(active: ActiveSet, subject: str) -> list[str]:
@@ -62,7 +75,9 @@ def tightened(active: ActiveSet, over: Mapping[RowId, tuple[float, float]], judg
         judgement: of its answer.
     """
     backoff, margins = dict(active.backoff), dict(active.margins)
-    waves = _of_waves(active, judgement)
+    waves, driven = _of_waves(active, judgement)
+    for row, scale in driven.items():
+        backoff[row] = min(max(backoff[row] + _MORE, 1.0 - scale * (1.0 - backoff[row])), _MOST_BACKOFF)
     known = (over.keys() & backoff.keys()) - waves.keys()
     for key in known:
         use, share = over[key]
@@ -79,41 +94,67 @@ def tightened(active: ActiveSet, over: Mapping[RowId, tuple[float, float]], judg
 
 def faded(margins: Mapping[RowId, Margin]) -> dict[RowId, Margin]:
     """Margins of a stop as the one from the next instant begins with them."""
-    return {row: replace(item, kept=_FADES * item.kept) for row, item in margins.items()}
+    return {
+        row: replace(item, kept=(_FADES if row.constraint == SloshHeight.name else _FADES_AT_START) * item.kept)
+        for row, item in margins.items()
+    }
 
 
-def _of_waves(active: ActiveSet, judgement: Judgement) -> dict[RowId, Margin]:
-    """Margins of the heights of second order that are near their limits or above them."""
+def _of_waves(active: ActiveSet, judgement: Judgement) -> tuple[dict[RowId, Margin], dict[RowId, float]]:
+    """Margins of the heights of second order that are near their limits or above them.
+
+    And by what factor waves have to fall at all instants, where a height is too high with margins that leave its linear
+    part free at that instant: what it adds swings on from earlier ones.
+    """
     found: dict[RowId, Margin] = {}
+    driven: dict[RowId, float] = {}
     share = np.linspace(0.0, 1.0, _SHARES + 1)
     for trace in judgement.traces:
         if trace.linear is None or trace.constraint != SloshHeight.name or trace.use.max() < _NEAR:
             continue
         part = np.minimum((trace.t - trace.t[0]) / judgement.end_time * _SHARES, _SHARES).astype(int)
-        first, more = _greatest(part, _of_calmer_waves(trace)), _greatest(part, np.maximum(trace.use - 1.0, 0.0))
+        scale = _calmer(trace)
+        first = _greatest(part, scale**2 * _added(trace))
+        more = _greatest(part, np.maximum(trace.use - 1.0, 0.0))
         more = np.where(more > 0.0, np.minimum(_STRONGER * more, _MOST_STEP) + _MORE, 0.0)
         around = np.pad(more, _AROUND)
         more = np.max([around[shift : shift + len(more)] for shift in range(2 * _AROUND + 1)], axis=0)
         for label in labels(active, trace.subject):
             row = RowId(trace.constraint, label)
-            if row in active.backoff:
-                last = active.margins.get(row)
-                kept = first if last is None else np.interp(share, last.share, last.kept) + more
-                found[row] = Margin(share, np.minimum(kept, _MOST_KEPT))
-    return found
+            if row not in active.backoff:
+                continue
+            last = active.margins.get(row)
+            kept = first if last is None else np.interp(share, last.share, last.kept) + more
+            found[row] = Margin(share, np.minimum(kept, _MOST_KEPT))
+            if last is not None and scale < 1.0 and _is_free(active.backoff[row], last, trace, judgement.end_time):
+                driven[row] = scale
+    return found, driven
 
 
-def _of_calmer_waves(trace: Trace) -> np.ndarray:
-    """What the second order adds over time, as a part of the limit, with waves that just keep it where it is worst.
-
-    With all waves by the factor h it is h^2 times as much: own h + added h^2 = 1.
-    """
-    assert trace.linear is not None  # it is a trace of second order
-    limit = np.abs(trace.limit)
-    over = np.maximum(trace.value - np.maximum(trace.linear, 0.0), 0.0) / limit
+def _is_free(backoff: float, margin: Margin, trace: Trace, end_time: float) -> bool:
+    """Whether a problem left a height's linear part free at the instant at which the whole is highest."""
+    assert trace.linear is not None
     worst = int(np.argmax(trace.use))
-    own, added = float(trace.linear[worst] / limit[worst]), float(over[worst])
-    return over * min(2.0 / (own + np.sqrt(own**2 + 4.0 * added)), 1.0) ** 2
+    own = float(np.abs(trace.linear[worst] / trace.limit[worst]))
+    kept = float(np.interp((trace.t[worst] - trace.t[0]) / end_time, margin.share, margin.kept))
+    return own < (1.0 - backoff) * (1.0 - kept) - _FREE
+
+
+def _added(trace: Trace) -> np.ndarray:
+    """What the second order adds over time, (m,), as a part of the limit."""
+    assert trace.linear is not None  # it is a trace of second order
+    return np.maximum(trace.value - np.maximum(trace.linear, 0.0), 0.0) / np.abs(trace.limit)
+
+
+def _calmer(trace: Trace) -> float:
+    """The factor on all waves with which the height just keeps its limit where it is worst, at most 1.
+
+    What the second order adds then falls with its square: own h + added h^2 = 1.
+    """
+    assert trace.linear is not None
+    worst = int(np.argmax(trace.use))
+    own, added = float(trace.linear[worst] / np.abs(trace.limit[worst])), float(_added(trace)[worst])
+    return min(2.0 / (own + float(np.sqrt(own**2 + 4.0 * added))), 1.0)
 
 
 def _greatest(part: np.ndarray, values: np.ndarray) -> np.ndarray:
