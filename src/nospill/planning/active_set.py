@@ -40,7 +40,17 @@ from nospill.planning.tightening import (
     relaxed_backoff,
     shared_backoff,
 )
-from nospill.planning.tracking_margins import heavier, joining, lighter, next_margins, raised_backoff, rings_far
+from nospill.planning.tracking_margins import (
+    Smoothness,
+    first_heavier,
+    heavier,
+    joining,
+    lighter,
+    next_margins,
+    raised_backoff,
+    rings_far,
+    use_of_smoothness,
+)
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 from nospill.transcription.margins_along import Margin
@@ -88,7 +98,7 @@ class ActiveSet:
         excess: largest part of its limit by which a row on the final state was over it before the last back-off.
         crests: of the broken rows in the problem before the last back-off.
         margins: what rows keep along the motion beside that, for arms that are late.
-        holds_with: factor on the weights of the jerks with which a motion over the band held.
+        smoothness: what the weights of the jerks before led to over the band.
     """
 
     task: Task
@@ -105,7 +115,7 @@ class ActiveSet:
     excess: float = 0.0
     crests: Crests = field(default_factory=dict)
     margins: Mapping[RowId, Margin] = field(default_factory=dict)
-    holds_with: float = np.inf
+    smoothness: Smoothness | None = None
 
     @classmethod
     def of(
@@ -196,18 +206,26 @@ class ActiveSet:
         following, band = self._after(judgement, slack), judgement.band
         if band is None or (max(band.use.values(), default=0.0) <= 1.0 and following is self):
             return following
-        first = not self.margins
+        names, tracking, first = following.names, self.task.scene.tracking, not self.margins
+        rings = tracking is not None and tracking.resonance is not None
+        factor, use = self.jerk_weight_factor, use_of_smoothness(band.use, rings=rings)
+        if first and self.smoothness is None:
+            factor = first_heavier(factor, use)
+        elif not first or rings:
+            factor = heavier(factor, use, self.smoothness)
+        factor = max(factor, following.jerk_weight_factor)
+        if factor > self.jerk_weight_factor:
+            following = replace(
+                following, jerk_weight_factor=factor, smoothness=Smoothness(self.jerk_weight_factor, use)
+            )
         if following.scene is not self.scene or (first and _far_over(judgement)):
             return following  # what the arm does as it is stated comes first
-        names, tracking = following.names, self.task.scene.tracking
-        rings = tracking is not None and tracking.resonance is not None
-        factor = heavier(following.jerk_weight_factor, band.use.items(), rings=rings, holds_with=self.holds_with)
-        if rings and rings_far(band, following.jerk_weight_factor):
-            return replace(following, jerk_weight_factor=factor)
+        if rings and rings_far(band, self.jerk_weight_factor):
+            return following
         margins = next_margins(self.margins, band, names, judgement.end_time)
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names)
         rows = following.rows | (joining(band, names) & following.possible)
-        return replace(following, rows=rows, margins=margins, backoff=backoff, jerk_weight_factor=factor)
+        return replace(following, rows=rows, margins=margins, backoff=backoff)
 
     def with_less_margin(self) -> ActiveSet:
         """The same with half of what rows keep along the motion: for a problem that has no answer with all of it."""
@@ -293,8 +311,11 @@ class ActiveSet:
         """
         if self.margins and judgement.band is not None:
             margins = next_margins({}, judgement.band, self.names, judgement.end_time)
-            light, heavy = lighter(self.jerk_weight_factor), self.jerk_weight_factor
-            return replace(self, margins=margins, jerk_weight_factor=light, holds_with=heavy)
+            tracking = self.task.scene.tracking
+            use = use_of_smoothness(judgement.band.use, rings=tracking is not None and tracking.resonance is not None)
+            heavy = self.jerk_weight_factor
+            light = lighter(heavy, use, self.smoothness)
+            return replace(self, margins=margins, jerk_weight_factor=light, smoothness=Smoothness(heavy, use))
         own = list(self._on_members(judgement.variant_rows))
         factor = rougher(self.jerk_weight_factor, own)
         if factor == self.jerk_weight_factor:
@@ -317,7 +338,11 @@ class ActiveSet:
         if not smoother:  # else those crests say little of smoother waves
             grown = grown.with_backoff(backoff_by_order(own, grown.backoff))
         grown = replace(
-            grown, expected=self.expected, jerk_weight_factor=smooth.jerk_weight_factor, margins=self.margins
+            grown,
+            expected=self.expected,
+            jerk_weight_factor=smooth.jerk_weight_factor,
+            margins=self.margins,
+            smoothness=self.smoothness,
         )
         return grown.without_far(own)
 

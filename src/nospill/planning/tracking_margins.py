@@ -8,7 +8,8 @@ no margin takes away, since it adds up over the whole motion: there the jerks we
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,16 +26,35 @@ from nospill.transcription.margins_along import Margin
 
 _MOST, _MOST_AT_END = 0.8, 0.75
 """Part of a budget that is kept at most."""
-_LIGHTEST, _HEAVIER, _HEAVIEST = 1.25, 10.0, 1e4
-"""Factor on the weight of the jerks from round to round, at least and at most, and in all."""
-_LIGHTER = 3.0
-"""By which it is divided where a motion holds."""
+_AIM = 0.985
+"""Use of a height after the end that the weights of the jerks are to lead to."""
+_FALLS, _LEAST_FALL, _MOST_FALL = 0.4, 0.25, 0.8
+"""Power with which that use falls as the weights rise: from the first motion; least and most that two motions show."""
+_AT_FIRST, _FIRST = 4.0, 20.0
+"""Of the first motion: power of the use by which they rise, and at most."""
+_LIGHTEST, _HEAVIER, _HEAVIEST = 1.05, 3.0, 1e4
+"""Factor on the weights from round to round: at least, at most, and in all."""
+_LIGHTER, _NEAR_LIMIT = 3.0, 0.96
+"""By which they fall at most once a motion holds, and the use from which they do not."""
 _RINGS_FAR = 1.4
 """Use over a band of ringing joints above which the jerks alone weigh more, as long as their weight may rise."""
 _JOINS = 0.9
 """Use over the band from which a row takes part."""
 _MORE, _LEAST, _STEP = 1.0, 5e-4, 0.03
 """Of what a row is over its limit with its margins: part that is added to its back-off, at least, and at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Smoothness:
+    """What a factor on the weights of the jerks led to.
+
+    Attributes:
+        factor: above 0.
+        use: largest over the band of the rows that it lowers.
+    """
+
+    factor: float
+    use: float
 
 
 def next_margins(
@@ -84,11 +104,6 @@ def raised_backoff(backoff: Mapping[RowId, float], band: Band, names: Mapping[Va
     return raised
 
 
-def lighter(factor: float) -> float:
-    """Factor on the weights of the jerks after a motion that holds."""
-    return max(factor / _LIGHTER, 1.0)
-
-
 def require_band(scene: Scene, judgement: Judgement, *, ended: bool) -> None:
     """Refuse a motion that holds for the arm as it is stated and not over the band of it.
 
@@ -127,24 +142,44 @@ def _part_of(tracking: Tracking, part: float) -> str:
     return f" ({', '.join(found)})" if found else ""
 
 
-def heavier(
-    factor: float, uses: Iterable[tuple[RowId, float]], *, rings: bool = False, holds_with: float = math.inf
-) -> float:
-    """Factor on the weights of the jerks: more where a height at the end is over its limit; any row where joints ring.
+def use_of_smoothness(uses: Mapping[RowId, float], *, rings: bool = False) -> float:
+    """The largest use over a band of a row that smoother jerks lower: on the final state; any row where joints ring.
 
     Ringing is what steps of the jerk leave behind, and what smoother jerks do not.
+    """
+    return max((use for row, use in uses.items() if rings or row.constraint in END_NAMES), default=0.0)
+
+
+def heavier(factor: float, use: float, before: Smoothness | None = None) -> float:
+    """Factor on the weights of the jerks for the next problem, by a secant of logarithms; the same where nothing fails.
 
     Args:
         factor: of the last problem.
-        uses: over the band.
-        rings: whether joints ring.
-        holds_with: factor with which a motion holds: no more than half way to it, in powers.
+        use: that its motion has, as `use_of_smoothness` says.
+        before: of the problem before that.
     """
-    over = max((use for row, use in uses if rings or row.constraint in END_NAMES), default=0.0)
-    if over <= 1.0:
+    if use <= 1.0:
         return factor
-    more = min(min(max(over**2, _LIGHTEST), _HEAVIER) * factor, _HEAVIEST)
-    return min(more, math.sqrt(factor * holds_with)) if factor < holds_with else more
+    return min(factor * min(max(_ratio(factor, use, before), _LIGHTEST), _HEAVIER), max(_HEAVIEST, factor))
+
+
+def first_heavier(factor: float, use: float) -> float:
+    """The factor before any margins: those of a rough motion are too much, and what smoothness does is known."""
+    return max(factor, min((use / _AIM) ** _AT_FIRST, _FIRST)) if use > 1.0 else factor
+
+
+def lighter(factor: float, use: float, before: Smoothness | None = None) -> float:
+    """The factor after a motion that holds; arguments as of `heavier`."""
+    return max(factor * max(_ratio(factor, use, before), 1.0 / _LIGHTER), 1.0) if use < _NEAR_LIMIT else factor
+
+
+def _ratio(factor: float, use: float, before: Smoothness | None) -> float:
+    """Ratio of the weights that is to bring a use to what is aimed at."""
+    falls = _FALLS
+    if before is not None and factor != before.factor:
+        seen = math.log(before.use / max(use, _LEAST)) / math.log(factor / before.factor)
+        falls = min(max(seen, _LEAST_FALL), _MOST_FALL)
+    return (max(use, _LEAST) / _AIM) ** (1.0 / falls)
 
 
 def rings_far(band: Band, factor: float) -> bool:
