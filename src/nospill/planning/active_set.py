@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.certification.certificate import Judgement
+from nospill.certification.tracking_band import Band
 from nospill.certification.verdict import Row
 from nospill.laws.constraints import END_NAMES, by_name, constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, RowId
@@ -44,6 +45,7 @@ from nospill.planning.tracking_margins import (
     Smoothness,
     first_heavier,
     heavier,
+    heavier_where_joints_ring,
     joining,
     lighter,
     next_margins,
@@ -99,6 +101,7 @@ class ActiveSet:
         crests: of the broken rows in the problem before the last back-off.
         margins: what rows keep along the motion beside that, for arms that are late.
         smoothness: what the weights of the jerks before led to over the band.
+        holds_with: factor on them with which a motion over the band held.
     """
 
     task: Task
@@ -116,6 +119,7 @@ class ActiveSet:
     crests: Crests = field(default_factory=dict)
     margins: Mapping[RowId, Margin] = field(default_factory=dict)
     smoothness: Smoothness | None = None
+    holds_with: float = np.inf
 
     @classmethod
     def of(
@@ -208,24 +212,31 @@ class ActiveSet:
             return following
         names, tracking, first = following.names, self.task.scene.tracking, not self.margins
         rings = tracking is not None and tracking.resonance is not None
-        factor, use = self.jerk_weight_factor, use_of_smoothness(band.use, rings=rings)
-        if first and self.smoothness is None:
-            factor = first_heavier(factor, use)
-        elif not first or rings:
-            factor = heavier(factor, use, self.smoothness)
-        factor = max(factor, following.jerk_weight_factor)
-        if factor > self.jerk_weight_factor:
-            following = replace(
-                following, jerk_weight_factor=factor, smoothness=Smoothness(self.jerk_weight_factor, use)
-            )
+        smoothed = following if rings else self._smoothed_over(band, following)
         if following.scene is not self.scene or (first and _far_over(judgement)):
-            return following  # what the arm does as it is stated comes first
-        if rings and rings_far(band, self.jerk_weight_factor):
-            return following
+            return smoothed  # what the arm does as it is stated comes first
+        if rings:
+            use, factor = use_of_smoothness(band.use, rings=True), following.jerk_weight_factor
+            heavy = heavier_where_joints_ring(factor, use, self.holds_with)
+            smoothed = replace(following, jerk_weight_factor=heavy)
+            if rings_far(band, factor):
+                return smoothed
+        following = smoothed
         margins = next_margins(self.margins, band, names, judgement.end_time)
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names)
         rows = following.rows | (joining(band, names) & following.possible)
         return replace(following, rows=rows, margins=margins, backoff=backoff)
+
+    def _smoothed_over(self, band: Band, following: ActiveSet) -> ActiveSet:
+        """The next set with jerks of more weight, where late joints leave too much after the end."""
+        factor, use = self.jerk_weight_factor, use_of_smoothness(band.use)
+        if self.margins:
+            heavy = heavier(factor, use, self.smoothness)
+        else:
+            heavy = first_heavier(factor, use) if self.smoothness is None else factor
+        if heavy <= following.jerk_weight_factor:
+            return following
+        return replace(following, jerk_weight_factor=heavy, smoothness=Smoothness(factor, use))
 
     def with_less_margin(self) -> ActiveSet:
         """The same with half of what rows keep along the motion: for a problem that has no answer with all of it."""
@@ -312,10 +323,12 @@ class ActiveSet:
         if self.margins and judgement.band is not None:
             margins = next_margins({}, judgement.band, self.names, judgement.end_time)
             tracking = self.task.scene.tracking
-            use = use_of_smoothness(judgement.band.use, rings=tracking is not None and tracking.resonance is not None)
+            rings = tracking is not None and tracking.resonance is not None
+            use = use_of_smoothness(judgement.band.use, rings=rings)
             heavy = self.jerk_weight_factor
-            light = lighter(heavy, use, self.smoothness)
-            return replace(self, margins=margins, jerk_weight_factor=light, smoothness=Smoothness(heavy, use))
+            light = lighter(heavy, use, self.smoothness, rings=rings)
+            found = replace(self, margins=margins, jerk_weight_factor=light, smoothness=Smoothness(heavy, use))
+            return replace(found, holds_with=heavy)
         own = list(self._on_members(judgement.variant_rows))
         factor = rougher(self.jerk_weight_factor, own)
         if factor == self.jerk_weight_factor:

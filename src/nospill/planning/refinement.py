@@ -41,7 +41,9 @@ _WORTH_A_SOLVE = 1e-3
 """Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
 _WORTH_WITH_MARGINS = 0.01
 """The same over a band of arms, where a row that gets some back asks for two more rounds."""
-_NEARLY_ALIKE = 3.5
+_LIGHTENED = 3
+"""Times that a certified motion over a band gets back what it does not need, at most."""
+_NEARLY_ALIKE = 2.5
 """Ratio of the weights of the jerks with which multipliers are worth a start, between problems with margins."""
 _SLOWEST = 4.0
 """Times as slow as a motion is made at most, from which members or modes did not join."""
@@ -137,17 +139,21 @@ def _relaxed(judged: Judged, log: Log) -> Judged:
 
 
 def _lightened(judged: Judged, log: Log) -> Judged:
-    """A certified motion whose jerks weigh more than it needs, refined once more from less; the shorter of both."""
-    active = judged.candidate.active
-    lighter = active.lightened(judged.judgement) if judged.judgement.certificate.ok else active
-    if lighter is active or log.out_of_time:
-        return judged
-    with suppress(NoSolutionError):
-        again = _tighten(judged.candidate, lighter, log)
-        end = judged.trajectory.end_time
-        refined = again and _refine_until_certified(again, log, below=end)
-        if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
-            return refined
+    """A certified motion whose jerks weigh more than it needs, refined again from less while that shortens it."""
+    for _ in range(_LIGHTENED if judged.candidate.active.margins else 1):
+        active, end = judged.candidate.active, judged.trajectory.end_time
+        lighter = active.lightened(judged.judgement) if judged.judgement.certificate.ok else active
+        if lighter is active or log.out_of_time:
+            return judged
+        refined = None
+        with suppress(NoSolutionError):
+            again = _tighten(judged.candidate, lighter, log)
+            refined = again and _refine_until_certified(again, log, below=end)
+        if refined is None or not refined.judgement.certificate.ok or refined.trajectory.end_time >= end:
+            return judged
+        judged = refined
+        if refined.trajectory.end_time > (1.0 - _WORTH_WITH_MARGINS) * end:
+            return judged
     return judged
 
 

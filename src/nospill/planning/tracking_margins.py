@@ -32,10 +32,12 @@ _FALLS, _LEAST_FALL, _MOST_FALL = 0.4, 0.25, 0.8
 """Power with which that use falls as the weights rise: from the first motion; least and most that two motions show."""
 _AT_FIRST, _FIRST = 4.0, 20.0
 """Of the first motion: power of the use by which they rise, and at most."""
-_LIGHTEST, _HEAVIER, _HEAVIEST = 1.05, 3.0, 1e4
+_LIGHTEST, _HEAVIER, _HEAVIEST = 1.05, 2.0, 1e4
 """Factor on the weights from round to round: at least, at most, and in all."""
-_LIGHTER, _NEAR_LIMIT = 3.0, 0.96
-"""By which they fall at most once a motion holds, and the use from which they do not."""
+_LIGHTER = 3.0
+"""By which they fall at most once a motion holds."""
+_OF_RINGING, _LEAST_RINGING, _MOST_RINGING = 2.0, 1.25, 10.0
+"""Power of the use by which they rise where joints ring, at least and at most: steps of the jerk ring less and less."""
 _RINGS_FAR = 1.4
 """Use over a band of ringing joints above which the jerks alone weigh more, as long as their weight may rise."""
 _JOINS = 0.9
@@ -168,9 +170,27 @@ def first_heavier(factor: float, use: float) -> float:
     return max(factor, min((use / _AIM) ** _AT_FIRST, _FIRST)) if use > 1.0 else factor
 
 
-def lighter(factor: float, use: float, before: Smoothness | None = None) -> float:
-    """The factor after a motion that holds; arguments as of `heavier`."""
-    return max(factor * max(_ratio(factor, use, before), 1.0 / _LIGHTER), 1.0) if use < _NEAR_LIMIT else factor
+def heavier_where_joints_ring(factor: float, use: float, holds_with: float = math.inf) -> float:
+    """The factor for the next problem where joints ring; the same where nothing fails.
+
+    Args:
+        factor: of the last problem.
+        use: that its motion has, as `use_of_smoothness` says.
+        holds_with: factor with which a motion holds: no more than half way to it, in powers.
+    """
+    if use <= 1.0:
+        return factor
+    more = min(min(max(use**_OF_RINGING, _LEAST_RINGING), _MOST_RINGING) * factor, _HEAVIEST)
+    return min(more, math.sqrt(factor * holds_with)) if factor < holds_with else more
+
+
+def lighter(factor: float, use: float, before: Smoothness | None = None, *, rings: bool = False) -> float:
+    """The factor after a motion that holds; arguments as of `heavier`.
+
+    Where joints ring any row may be the one that is near its limit, and nothing says that it is for lighter jerks.
+    """
+    least = 1.0 / _LIGHTER
+    return max(factor * (least if rings else min(max(_ratio(factor, use, before), least), 1.0)), 1.0)
 
 
 def _ratio(factor: float, use: float, before: Smoothness | None) -> float:
