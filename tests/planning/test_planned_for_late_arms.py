@@ -113,6 +113,8 @@ def test_weights_fall_after_a_motion_that_holds_with_room_and_never_below_those_
 
 def test_jerks_weigh_more_for_any_row_where_joints_ring() -> None:
     assert use_of_smoothness(_band(slip=1.05, residual_height=0.5).use, rings=True) == 1.05
+    assert use_of_smoothness(_band(slip=1.05, residual_height=0.5).use, rings=True, margins=True) == 0.5
+    assert use_of_smoothness(_band(slip=1.2, residual_height=0.5).use, rings=True, margins=True) == 1.2
     assert heavier_where_joints_ring(2.0, 0.9) == 2.0
     assert heavier_where_joints_ring(2.0, 1.05) == pytest.approx(2.5)
     assert heavier_where_joints_ring(2.0, 9.0) == pytest.approx(20.0)

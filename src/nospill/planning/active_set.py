@@ -216,7 +216,7 @@ class ActiveSet:
         if following.scene is not self.scene or (first and _far_over(judgement)):
             return smoothed  # what the arm does as it is stated comes first
         if rings:
-            use, factor = use_of_smoothness(band.use, rings=True), following.jerk_weight_factor
+            use, factor = use_of_smoothness(band.use, rings=True, margins=not first), following.jerk_weight_factor
             heavy = heavier_where_joints_ring(factor, use, self.holds_with)
             smoothed = replace(following, jerk_weight_factor=heavy)
             if rings_far(band, factor):

@@ -177,8 +177,9 @@ def _refine_until_certified(candidate: Candidate, log: Log, *, below: float = ma
         if active.scene is before.active.scene:
             tightened += bool(active.margins) or active.jerk_weight_factor == before.active.jerk_weight_factor
             start = before.stages
-            better = _tighten(before, active, log)
-            if better is None and active.margins is not before.active.margins:
+            others = active.margins is not before.active.margins
+            better = _tighten(before, active, log, afresh=not others)
+            if better is None and others:
                 better = _tighten(before, active.with_less_margin(), log)
             if better is None:
                 break
@@ -225,15 +226,20 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
         raise diagnosis.not_playable(scene, stages.duration, stages.intervals, error) from None
 
 
-def _tighten(before: Candidate, active: ActiveSet, log: Log) -> Candidate | None:
-    """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails."""
+def _tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = True) -> Candidate | None:
+    """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails.
+
+    Then once more as from any start, where `afresh`: with margins that are too much it takes longest, and in vain.
+    """
     heavier = active.jerk_weight_factor / before.active.jerk_weight_factor
     alike = heavier == 1.0 or (bool(before.active.margins) and 1.0 / _NEARLY_ALIKE <= heavier <= _NEARLY_ALIKE)
     same = alike and bool(active.margins) == bool(before.active.margins) and active.rows == before.active.rows
     barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)
     again = solved(active, before.stages, log, near_optimum(barrier, most), before if same else None, tightens=True)
-    if not again.has_converged:
+    if not again.has_converged and afresh:
         again = solved(active, before.stages, log, tightens=True)
+    if not again.has_converged and not afresh:
+        return None
     return again if usable(again.solution) else None
 
 

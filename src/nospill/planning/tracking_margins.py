@@ -38,6 +38,8 @@ _LIGHTER = 3.0
 """By which they fall at most once a motion holds."""
 _OF_RINGING, _LEAST_RINGING, _MOST_RINGING = 2.0, 1.25, 10.0
 """Power of the use by which they rise where joints ring, at least and at most: steps of the jerk ring less and less."""
+_BY_MARGINS = 1.1
+"""Use over a band of ringing joints up to which margins and back-off alone bring a row back."""
 _RINGS_FAR = 1.4
 """Use over a band of ringing joints above which the jerks alone weigh more, as long as their weight may rise."""
 _JOINS = 0.9
@@ -144,12 +146,20 @@ def _part_of(tracking: Tracking, part: float) -> str:
     return f" ({', '.join(found)})" if found else ""
 
 
-def use_of_smoothness(uses: Mapping[RowId, float], *, rings: bool = False) -> float:
-    """The largest use over a band of a row that smoother jerks lower: on the final state; any row where joints ring.
+def use_of_smoothness(uses: Mapping[RowId, float], *, rings: bool = False, margins: bool = False) -> float:
+    """The largest use over a band of a row that smoother jerks are to lower: on the final state.
 
-    Ringing is what steps of the jerk leave behind, and what smoother jerks do not.
+    Where joints ring, of any row: steps of the jerk leave that behind, and smoother jerks do not. Of a row that has
+    margins only what is more than those and back-off take away.
+
+    Args:
+        uses: over the band.
+        rings: whether joints ring.
+        margins: whether the problem had margins.
     """
-    return max((use for row, use in uses.items() if rings or row.constraint in END_NAMES), default=0.0)
+    least = _BY_MARGINS if margins else 1.0
+    counted = (use for row, use in uses.items() if row.constraint in END_NAMES or (rings and use > least))
+    return max(counted, default=0.0)
 
 
 def heavier(factor: float, use: float, before: Smoothness | None = None) -> float:
