@@ -98,8 +98,8 @@ def test_weights_reach_by_secants_where_a_height_holds(fall: float) -> None:
 
 
 def test_weights_rise_at_once_before_margins_are_known_and_not_beyond_measure() -> None:
-    assert first_heavier(1.0, 0.99) == 1.0
-    assert 1.0 < first_heavier(1.0, 1.1) < first_heavier(1.0, 1.5) < first_heavier(1.0, 9.0)
+    assert first_heavier(1.0, 1.4) == 1.0
+    assert 1.0 < first_heavier(1.0, 1.6) < first_heavier(1.0, 1.9) < first_heavier(1.0, 9.0)
     assert first_heavier(1.0, 9.0) == first_heavier(1.0, 90.0)
     assert first_heavier(100.0, 9.0) == 100.0
 

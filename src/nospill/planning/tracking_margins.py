@@ -30,12 +30,12 @@ _AIM = 0.985
 """Use of a height after the end that the weights of the jerks are to lead to."""
 _FALLS, _LEAST_FALL, _MOST_FALL = 0.4, 0.25, 0.8
 """Power with which that use falls as the weights rise: from the first motion; least and most that two motions show."""
-_AT_FIRST, _FIRST = 4.0, 20.0
-"""Of the first motion: power of the use by which they rise, and at most."""
+_ROUGH, _AT_FIRST, _FIRST = 1.5, 4.0, 20.0
+"""Use of the first motion from which they rise before any margins, power of it by which they do, and at most."""
 _LIGHTEST, _HEAVIER, _HEAVIEST = 1.05, 2.0, 1e4
 """Factor on the weights from round to round: at least, at most, and in all."""
-_LIGHTER = 3.0
-"""By which they fall at most once a motion holds."""
+_LIGHTER, _LIGHTER_RINGING = 1.5, 3.0
+"""By which they fall at most once a motion holds; by which they do where joints ring."""
 _OF_RINGING, _LEAST_RINGING, _MOST_RINGING = 2.0, 1.25, 10.0
 """Power of the use by which they rise where joints ring, at least and at most: steps of the jerk ring less and less."""
 _BY_MARGINS = 1.1
@@ -177,7 +177,7 @@ def heavier(factor: float, use: float, before: Smoothness | None = None) -> floa
 
 def first_heavier(factor: float, use: float) -> float:
     """The factor before any margins: those of a rough motion are too much, and what smoothness does is known."""
-    return max(factor, min((use / _AIM) ** _AT_FIRST, _FIRST)) if use > 1.0 else factor
+    return max(factor, min((use / _AIM) ** _AT_FIRST, _FIRST)) if use > _ROUGH else factor
 
 
 def heavier_where_joints_ring(factor: float, use: float, holds_with: float = math.inf) -> float:
@@ -199,8 +199,9 @@ def lighter(factor: float, use: float, before: Smoothness | None = None, *, ring
 
     Where joints ring any row may be the one that is near its limit, and nothing says that it is for lighter jerks.
     """
-    least = 1.0 / _LIGHTER
-    return max(factor * (least if rings else min(max(_ratio(factor, use, before), least), 1.0)), 1.0)
+    if rings:
+        return max(factor / _LIGHTER_RINGING, 1.0)
+    return max(factor * min(max(_ratio(factor, use, before), 1.0 / _LIGHTER), 1.0), 1.0)
 
 
 def _ratio(factor: float, use: float, before: Smoothness | None) -> float:
