@@ -21,7 +21,7 @@ from typer.main import get_command
 from typer.testing import CliRunner, Result
 
 from nospill.cli.reporting import INTERNAL_ERROR
-from tests.hasty import COMPILED, NO_COMPILER, compile_at_first, compile_small_functions, hasty_compiler
+from tests.hasty import COMPILED, NO_COMPILER, compile_at_first, compile_frequent_functions, hasty_compiler
 
 if TYPE_CHECKING:  # a file of tests that plans nothing is run without the planner and the judge
     from nospill.motion.interpolation import JointSamples
@@ -48,11 +48,11 @@ def pytest_collection_finish() -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def hasty() -> Iterator[None]:
-    """Small functions, hastily compiled once for all tests; one thread each.
+    """Functions that are evaluated often, hastily compiled once for all tests; one thread each.
 
-    Those of problems are interpreted: most scenes of the tests are planned once or twice, and to compile their
-    functions takes longer than to interpret them. None of the user's compiled functions are used. A test that wants
-    otherwise sets the variables itself (monkeypatch).
+    The others are interpreted, those of problems too: most scenes of the tests are planned once or twice, and to
+    compile their functions takes longer than to interpret them. None of the user's compiled functions are used. A test
+    that wants otherwise sets the variables itself (monkeypatch).
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NOSPILL_COMPILE", "wait")
@@ -64,7 +64,7 @@ def hasty() -> Iterator[None]:
             if compiler is not None:
                 patch.setenv("CC", str(compiler))
                 compile_at_first(COMPILED)
-                compile_small_functions(compiler, patch)
+                compile_frequent_functions(compiler, patch)
         patch.setenv("CC", NO_COMPILER)
         yield
 
@@ -111,6 +111,29 @@ def few_other_speeds() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("nospill.certification.other_speeds.uses_at.__defaults__", ((0.1, 0.5, 0.95),))
         patch.setattr("nospill.plots.evidence._SPEEDS", (0.1, 0.5, 1.0))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def few_survived_sizes() -> Iterator[None]:
+    """What a saved or printed plan survives is looked at with the worst combination of joints alone, at two sizes.
+
+    Tests of the figures ask `certification.survival` itself, and a command in a process of its own looks at all.
+    """
+    from nospill.certification import survival
+    from nospill.plans import plan
+
+    found = survival.survival
+
+    def coarse(*arguments: Any) -> Any:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(survival, "_COMBINATIONS", 1)
+            patch.setattr(survival, "_ROUNDS", 2)
+            patch.setattr(survival.Fault, "beside", lambda *_: [])
+            return found(*arguments)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plan, "survival", coarse)
         yield
 
 
@@ -182,10 +205,10 @@ def measured() -> Path:
 
 _FEW_FRAMES = """(() => {
   const soon = window.requestAnimationFrame.bind(window);
-  window.requestAnimationFrame = drawn => window.setTimeout(() => soon(drawn), 100);
+  window.requestAnimationFrame = drawn => window.setTimeout(() => soon(drawn), 250);
   window.cancelAnimationFrame = number => window.clearTimeout(number);
 })()"""
-"""Pages draw ten times a second instead of sixty: without a graphics card a picture takes as long as all the rest."""
+"""Pages draw four times a second instead of sixty: without a graphics card a picture takes as long as all the rest."""
 
 
 def _with_few_frames(new_page: Callable[..., Any]) -> Callable[..., Any]:

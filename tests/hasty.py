@@ -19,8 +19,11 @@ from nospill.compiled.codegen import source_digest
 AT_FIRST = re.compile(r"linear solver|ur10e, \w+ tray: problem")
 """Beginnings of the labels of the parts that are compiled before the first test."""
 
-OF_PROBLEMS = ("tray", "object", "end", "plane")
-"""Kinds of functions that hold second derivatives: they take up to 3 s to compile, all others a tenth of a second."""
+OFTEN = ("steps", "newton", "figures-object", "crest")
+"""Kinds of functions that are evaluated so often that to compile them, a tenth of a second each, pays in one run.
+
+Those of problems hold second derivatives and take up to 3 s; the others are as short as these and evaluated less.
+"""
 
 NO_COMPILER = "no-compiler-for-what-is-planned-once"
 """What CC names while tests run."""
@@ -66,17 +69,17 @@ def hasty_compiler(folder: Path) -> Path | None:
     return place
 
 
-def compile_small_functions(compiler: Path, patch: pytest.MonkeyPatch) -> None:
-    """Have functions of other kinds than those of problems compiled when they are first asked for.
+def compile_frequent_functions(compiler: Path, patch: pytest.MonkeyPatch) -> None:
+    """Have functions of some kinds compiled when they are first asked for.
 
-    A replay or a certificate is evaluated on thousands of samples, also of an object that is seen once. A test that
-    names a compiler itself, or none, has what it names.
+    A replay is thousands of steps, also of an object that is seen once. A test that names a compiler itself, or none,
+    has what it names.
     """
     made = codegen.functions
 
     def functions(kind: str, *arguments: Any, **options: Any) -> Any:
         with pytest.MonkeyPatch.context() as own:
-            if kind not in OF_PROBLEMS and os.environ.get("CC") == NO_COMPILER:
+            if kind in OFTEN and os.environ.get("CC") == NO_COMPILER:
                 own.setenv("CC", str(compiler))
             return made(kind, *arguments, **options)
 

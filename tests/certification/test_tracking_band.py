@@ -25,7 +25,7 @@ DELAY, LAG = 2e-3, 1e-3
 
 @pytest.fixture(scope="module")
 def motion(smooth_motion: Callable) -> SmoothMotion:
-    return smooth_motion("mixed-tray", stretch=0.9, tilt=(0.1, 0.05))
+    return smooth_motion("mixed-tray", cargo=2, stretch=0.9, tilt=(0.1, 0.05))
 
 
 @pytest.fixture(scope="module")

@@ -48,7 +48,7 @@ def swinging(scene: Scene, seed: int, *, seconds: float = 2.0, rate: float = 200
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("example", "seed"), [("cups-past-a-column", 0), ("coffee-to-go", 1), ("matrix-rigid", 2)])
+@pytest.mark.parametrize(("example", "seed"), [("cups-past-a-column", 0), ("coffee-to-go", 1)])
 def test_bounds_are_below_the_distances_and_near_them(changed_scene, example: str, seed: int) -> None:
     """Against the distances at every sample: below them, and by no more than what is promised."""
     scene = changed_scene(example, {"obstacle": OBSTACLES})

@@ -51,7 +51,7 @@ def test_the_bases_are_scenarios(name: str) -> None:
 def test_the_reason_is_the_built_one_and_every_change_is_enough(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def coarse(case: Case) -> Table:
         table = spoiled_table(case)
-        return table | {"planning": {"intervals": 50} | table.get("planning", {})}
+        return table | {"planning": {"intervals": 30} | table.get("planning", {})}
 
     monkeypatch.setattr(infeasible, "spoiled_table", coarse)
     line = infeasible.run(case_of(name))

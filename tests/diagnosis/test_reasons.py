@@ -29,7 +29,7 @@ pytestmark = pytest.mark.slow
 
 Changed = Callable[..., Scene]
 
-FEW = {"planning.intervals": 40}
+FEW = {"planning.intervals": 30}
 
 
 FRICTIONLESS = {"tray.friction": 1e-4}

@@ -120,6 +120,7 @@ def test_the_next_motion_begins_with_the_yaw_in_which_the_arm_stands() -> None:
 
 @pytest.mark.slow
 def test_a_motion_to_a_free_yaw_is_certified_and_states_it() -> None:
-    found = ns.plan(scene({"yaw": YAW}, {"yaw": "free"}))
+    few = {"planning.intervals": 30, "cargo": one_mode("bracket-tray").source["cargo"][:1]}
+    found = ns.plan(scene({"yaw": YAW}, {"yaw": "free"}, **few))
     assert found.certificate.ok and str(found.report.end_yaws) in found.text()
     assert found.scene.source["path"]["goal"]["yaw"] in str(found.report.end_yaws)

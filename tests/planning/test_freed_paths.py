@@ -26,7 +26,7 @@ PATH = level_path((0.0, -1.4, 1.6, 0.0), (0.4, -1.5, 1.8, 0.2), (0.8, -1.3, 1.6,
 @pytest.mark.parametrize("tilt", ["fixed", "free"])
 def test_the_tray_stays_near_its_way_and_is_sooner(tilt: str) -> None:
     width = 0.02
-    scene = ns.load(table(PATH.tolist(), cargo=CUP))
+    scene = ns.load(table(PATH.tolist(), cargo=CUP) | {"planning": {"intervals": 25}})
     along = ns.retime(PATH, scene)
     plan = ns.retime(PATH, scene.changed({"path": LINE, "motion.tilt": tilt}), freedom=f"{1e3 * width:g} mm")
     assert along.certificate.ok and plan.certificate.ok
@@ -76,7 +76,9 @@ def test_a_freedom_that_is_no_length_is_refused(freedom: str | float, says: str)
 @pytest.mark.slow
 def test_the_command_takes_it(tmp_path) -> None:
     np.savez(tmp_path / "path.npz", q=PATH)
-    (tmp_path / "cup.toml").write_text(ns.load(table(PATH.tolist(), cargo=CUP)).text())
+    (tmp_path / "cup.toml").write_text(
+        ns.load(table(PATH.tolist(), cargo=CUP) | {"planning": {"intervals": 25}}).text()
+    )
     result = nospill(
         "retime", str(tmp_path / "path.npz"), "--scenario", str(tmp_path / "cup.toml"), "--freedom", "20 mm",
         "-o", str(tmp_path / "plan"),

@@ -44,11 +44,12 @@ def test_a_corridor_and_a_free_yaw_shorten_the_tilting_motion(example_plan) -> N
 
 def test_every_freedom_makes_the_motion_shorter_or_equal(changed_scene) -> None:
     name = "matrix-rigid"
-    ends = read_scenario(name).source["path"]["yaw"]  # type: ignore[index]
+    source = read_scenario(name).source
+    ends = source["path"]["yaw"]  # type: ignore[index]
     durations = {}
     for label, changes in {"given": {}, **FREEDOM}.items():
         keys = {**changes, **({"path.yaw": [ends[0], "free", ends[-1]]} if "path.yaw" in changes else {})}
-        keys["planning.intervals"] = 50
+        keys |= {"planning.intervals": 40, "cargo": source["cargo"][:2]}
         found = plan(changed_scene(name, keys))
         assert found.certificate.ok
         durations[label] = found.duration
@@ -132,7 +133,7 @@ def test_a_corridor_that_is_narrow_in_the_middle(changed_scene) -> None:
     widths = {"narrow": "3 mm", "waisted": ["60 mm", "3 mm", "60 mm"], "wide": "60 mm"}
     found = {}
     for name, corridor in widths.items():
-        keys = {"path.corridor": corridor, "planning.intervals": 50}
+        keys = {"path.corridor": corridor, "planning.intervals": 40}
         found[name] = plan(changed_scene("pp-two-cups", keys))
         assert found[name].certificate.ok
     assert found["wide"].duration < found["waisted"].duration < found["narrow"].duration

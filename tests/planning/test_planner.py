@@ -24,6 +24,7 @@ from nospill.planning.refinement import Judged, certify_by_refinement
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.robots.description.urdf_tree import rotation_of
+from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
 from nospill.transcription.problem import build_problem
@@ -69,7 +70,7 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
     backoff = {RowId(item.name, subject): item.backoff for item in CONSTRAINTS for subject in item.subjects(scene)}
     random = np.random.default_rng(7)
     durations = []
-    for index in range(16):
+    for index in range(10):
         start = Start(stretch=float(random.uniform(0.4, 1.6)), skew=float(random.uniform(-0.6, 0.6)))
         motion = smooth_start(scene, path, intervals, start)
         if index % 2:
@@ -197,7 +198,7 @@ def test_from_a_plan_folder(example_plan: Example, tmp_path: Path) -> None:
 
 
 LESS_FRICTION = {"tray.friction": 0.35}
-LOWER_WAVES = {f"cargo.{i}.max_slosh_height": "13 mm" for i in range(4)}
+LOWER_WAVES = {"cargo.*.max_slosh_height": "13 mm"}
 
 
 @pytest.mark.parametrize(
@@ -206,7 +207,9 @@ LOWER_WAVES = {f"cargo.{i}.max_slosh_height": "13 mm" for i in range(4)}
 )
 def test_warm_where_limits_become_much_tighter(changed_scene: Changed, name: str, changes: dict[str, object]) -> None:
     """The old motion, which breaks the new limits by a tenth and more, is still a good start once it is slowed down."""
-    few, planner = {"planning.intervals": 50, "planning.slosh_modes": 1}, Planner()
+    source = read_scenario(name).source["cargo"]  # all of a level tray, which are quick; one of a tray that tilts
+    cargo = source[: 1 if name == "matrix-liquid-tilt" else len(source)]
+    few, planner = {"planning.intervals": 50, "planning.slosh_modes": 1, "cargo": cargo}, Planner()
     first, scene = planner.plan(changed_scene(name, few)), changed_scene(name, few | changes)
     again, anew = planner.plan(scene), plan(scene)
     assert again.certificate.ok and again.report.starts.tried == 1
@@ -224,7 +227,7 @@ def test_a_plan_of_another_structure_is_not_used(example_plan: Example) -> None:
     assert not found.report.warm and found.report.not_warm == "the scene before is of another structure"
 
 
-@pytest.mark.parametrize("name", ["matrix-liquid", "matrix-liquid-tilt"])
+@pytest.mark.parametrize("name", ["matrix-liquid"])
 def test_on_another_branch_the_motion_of_the_tray_is_the_start(
     name: str, example_plan: Example, changed_scene: Changed
 ) -> None:

@@ -17,7 +17,7 @@ GOAL: dict[str, Any] = {"position": ["600 mm", "300 mm", "1.2 m"]}
 
 def planned(**keys: object) -> ns.Plan:
     table: dict[str, Any] = ns.load("matrix-rigid").source
-    table["planning"] = {"intervals": 50}  # weights of the jerks for how long it takes
+    table["planning"] = {"intervals": 40}  # weights of the jerks for how long it takes
     # a bound on the jerk in m/s^3, which does not depend on the length of the way
     del table["motion"]["path_jerk_limit"]
     table["motion"] |= {"tilt": "fixed", "max_jerk": 2000.0}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -41,16 +42,20 @@ FORMATS = pytest.mark.parametrize("name", sorted(EXPORTERS))
 def moved(smooth_motion, changed_scene):
     """A slow motion of one cup whose scene asks for an approach; no solver is involved."""
 
-    def make(*, shift: list[float] | None = None, **table) -> Plan:
+    @cache
+    def made(shift: tuple[float, ...] | None, table: frozenset) -> Plan:
         motion = smooth_motion(EXAMPLE, cargo=1, stretch=1.3)
         start = motion.trajectory.joint_position[0]
         came = "home" if shift is None else [float(value) for value in start + np.array(shift)]
-        entry = {"from": came, "tray": "empty", "acceleration": "6 rad/s^2"} | table
+        entry = {"from": came, "tray": "empty", "acceleration": "6 rad/s^2"} | dict(table)
         scene = motion.scene.changed({"approach": entry, "planning.slosh_modes": None})
         judgement = judge(motion.trajectory, scene)
         report = PlanningReport(1.0, 0.5, 10, 1, Starts(1, 1, 1, (2.0,)), {}, "none", {}, "start (1, 2) deg")
         maxima = motion_maxima(judgement, scene)
         return Plan(scene, motion.trajectory, judgement.certificate, maxima, report, judgement)
+
+    def make(*, shift: list[float] | None = None, **table) -> Plan:
+        return made(None if shift is None else tuple(shift), frozenset(table.items()))
 
     return make
 

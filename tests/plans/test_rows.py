@@ -169,7 +169,7 @@ def crossing(start: list[float], end: list[float]) -> Scene:
             tray=ns.Tray(size=["400 mm", "300 mm"], friction=0.4, mass="0.5 kg", offset="50 mm"),
             cargo=[mug],
             path=ns.LinePath(start=start, end=end),
-            planning=ns.Planning(slosh_modes=1),
+            planning=ns.Planning(slosh_modes=1, intervals=40),
         )
     )
 

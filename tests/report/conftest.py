@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -92,9 +93,15 @@ def slow_report(slow_plan: Plan) -> Report:
     return make_report(slow_plan)
 
 
-@pytest.fixture
-def folder(slow_plan: Plan, tmp_path: Path) -> Path:
-    """A plan folder."""
-    place = tmp_path / "out"
+@pytest.fixture(scope="session")
+def saved_once(slow_plan: Plan, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Its folder, not to be written to."""
+    place = tmp_path_factory.mktemp("saved") / "out"
     slow_plan.save(place)
     return place
+
+
+@pytest.fixture
+def folder(saved_once: Path, tmp_path: Path) -> Path:
+    """A plan folder."""
+    return Path(shutil.copytree(saved_once, tmp_path / "out"))

@@ -19,7 +19,7 @@ EXAMPLES = sorted(path for path in (ROOT / "docs" / "examples" / "extending").it
 def extended(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     """A folder with a copy of the package, changed as the example says."""
     package = tmp_path / "nospill"
-    shutil.copytree(ROOT / "src" / "nospill", package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "src" / "nospill", package)  # with the bytecode of the files that stay as they are
     apply_example(request.param, package)
     return tmp_path
 

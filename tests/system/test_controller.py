@@ -22,6 +22,7 @@ from tests.builders import one_mode
 
 DELAY, LAG = 0.008, 0.015
 LATE = Controller(np.full(6, DELAY), np.full(6, LAG))
+FEW = "planning.intervals=50"
 LINEAR = "motion.slosh_height=linear"
 """So that liquids hold the motion back as closely as joints do."""
 
@@ -29,13 +30,13 @@ LINEAR = "motion.slosh_height=linear"
 @pytest.fixture(scope="module")
 def late_plan() -> Plan:
     """Planned with one mode for the controller: delay 8 ms, lag 15 ms."""
-    settings = [f"controller.delay={DELAY}", f"controller.lag={LAG}", "planning.slosh_modes=1", LINEAR]
+    settings = [f"controller.delay={DELAY}", f"controller.lag={LAG}", "planning.slosh_modes=1", LINEAR, FEW]
     return plan(read_scenario("matrix-liquid-tilt", settings=settings))
 
 
 @pytest.mark.slow
 def test_the_naive_plan_breaks_limits_where_the_compensated_one_keeps_them(late_plan: Plan) -> None:
-    naive = plan(one_mode("matrix-liquid-tilt", LINEAR))
+    naive = plan(one_mode("matrix-liquid-tilt", LINEAR, FEW))
     played = certify(naive.trajectory, replace(naive.scene, controller=replace(LATE, compensate=False)))
     assert not played.ok
     assert {row.constraint for row in played.rows if not row.ok} >= {"slosh height"}

@@ -34,7 +34,7 @@ from nospill.scene.scene import Scene
 pytestmark = pytest.mark.slow
 
 _QUICK = {
-    "planning.intervals": 40,
+    "planning.intervals": 30,
     "planning.starts": 1,
     "planning.slosh_modes": 1,
     "motion.slosh_height": "linear",  # the optimiser's law, so that each limit is met closely

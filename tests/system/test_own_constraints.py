@@ -29,11 +29,12 @@ MOST = 1.5
 
 
 LIMIT = Sideways(MOST, objects=("c1",))
+SCENE = ns.load("matrix-liquid").changed({"planning.intervals": 40})
 
 
 @pytest.fixture(scope="module")
 def limited() -> Plan:
-    return ns.plan("matrix-liquid", constraints=[LIMIT])
+    return ns.plan(SCENE, constraints=[LIMIT])
 
 
 @pytest.fixture(scope="module")
@@ -76,13 +77,11 @@ def test_figures_and_report_show_it(limited: Plan) -> None:
 
 def test_another_number_is_planned_warm(limited: Plan) -> None:
     planner = ns.Planner(limited, constraints=[replace(LIMIT, most=1.6)])
-    looser = planner.plan("matrix-liquid")
+    looser = planner.plan(SCENE)
     assert looser.report.starts.tried == 1
     assert looser.certificate.ok and looser.duration < limited.duration
-    assert looser.duration == pytest.approx(
-        ns.plan("matrix-liquid", constraints=planner.constraints).duration, rel=1e-3
-    )
-    free = planner.plan("matrix-liquid", constraints=[])
+    assert looser.duration == pytest.approx(ns.plan(SCENE, constraints=planner.constraints).duration, rel=1e-3)
+    free = planner.plan(SCENE, constraints=[])
     assert not rows_of(free.certificate) and free.duration < looser.duration
 
 

@@ -135,7 +135,7 @@ def test_slip_at_its_limit_is_inside_the_limit_surface_in_random_states(kind):
             continue
         sure += 1
         spread = np.sqrt(weights @ np.sum((points - middle) ** 2, axis=1))
-        direction, turning = np.meshgrid(np.linspace(0, 2 * np.pi, 48, endpoint=False), np.linspace(0, np.pi, 33))
+        direction, turning = np.meshgrid(np.linspace(0, 2 * np.pi, 40, endpoint=False), np.linspace(0, np.pi, 25))
         sliding = np.stack((np.cos(direction), np.sin(direction)), axis=-1).reshape(-1, 2)
         sliding *= np.cos(turning).reshape(-1, 1)
         turn = np.sin(turning).reshape(-1) / spread

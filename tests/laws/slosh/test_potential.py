@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from scipy.special import ive, jv, jvp
+from scipy.special import ive, jv, jvp, roots_legendre
 
 from nospill.core.frames import FrameMotion, vector
 from nospill.core.trees import constants
@@ -83,8 +83,8 @@ def root(function: Callable[[float], float], low: float, high: float) -> float:
 
 @cache
 def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points in (-1, 1) and weights of the quadrature: eigenvalues of a large matrix, the same for every case."""
-    return np.polynomial.legendre.leggauss(count)
+    """Points in (-1, 1) and weights of the quadrature: eigenvalues of a tridiagonal matrix, the same for every case."""
+    return roots_legendre(count)
 
 
 def potential_solution(container: Cylinder | Box, rate: float, kind: Kind) -> Response:

@@ -32,7 +32,7 @@ pytestmark = pytest.mark.oracle
 
 WATER = LIQUIDS["water"]
 LEVEL, TURN, ANGLE, STEP, STEPS = 0.04, 0.5, 0.3, 2e-3, 500
-BOXES = [(0.24, 0.20), (0.12, 0.20), (0.20, 0.20)]
+BOXES = [(0.24, 0.20), (0.20, 0.20)]
 
 
 def forth(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -52,7 +52,7 @@ def test_at_a_right_angle_they_are_those_of_the_flat_surface(radius: float) -> N
         assert found.fixed_inertia == pytest.approx(flat.fixed_inertia, rel=1e-4)
 
 
-@pytest.mark.parametrize("angle", [60.0, 75.0, 120.0])
+@pytest.mark.parametrize("angle", [60.0, 120.0])
 def test_against_bessel_functions_below_the_curved_surface(angle: float) -> None:
     """Rayleigh and Ritz: potentials J_1(k r) cosh k z and surfaces J_1(k r), integrals along the surface alone."""
     surface = rest_surface(LENGTH, RADIUS, math.pi / 2 - math.radians(angle))
