@@ -50,7 +50,7 @@ def _typed(name: str, examples: Path) -> tuple[str, Path]:
         work = Path(shutil.copytree(_typed(AFTER[name], examples)[1], folder / "work"))
     else:
         work = _work(examples, folder)
-    return session(SESSIONS[name], work), work
+    return session(SESSIONS[name], work, unsaid=("--no-figures",)), work  # which no page shows
 
 
 def planned_session(places: Places) -> Path:
@@ -74,16 +74,22 @@ def _work(examples: Path, folder: Path) -> Path:
     return work
 
 
-def session(commands: tuple[str, ...], folder: Path) -> str:
+def session(commands: tuple[str, ...], folder: Path, *, unsaid: tuple[str, ...] = ()) -> str:
     """What a terminal would show: each command, its output, and its exit code unless it is 0.
 
     Commands wait for what is compiled: where the package's linear solver is not there yet, another one takes its place
     and rounds otherwise, and of two subjects that come equally near to a limit a table then names the other one.
+
+    Args:
+        commands: as they are shown.
+        folder: in which they are typed.
+        unsaid: options that every planning is given and that change nothing of what is printed.
     """
     text = ""
     environment = {**os.environ, "NOSPILL_COMPILE": "wait", "COLUMNS": "120"}
     for command in commands:
         _, *arguments = shlex.split(command)
+        arguments += unsaid if arguments[0] == "plan" else ()
         program = [sys.executable, "-c", "from nospill.cli import main; main()", *arguments]
         done = subprocess.run(program, cwd=folder, env=environment, text=True, capture_output=True, check=False)
         said = [line for line in done.stderr.splitlines() if not line.endswith(" ...")]

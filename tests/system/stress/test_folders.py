@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from nospill.cli import app
+from nospill.core import files
 from nospill.errors import PlanFolderError
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
@@ -67,6 +68,25 @@ def test_killed_at_any_moment(saved: Path, small_plan: Plan, tmp_path: Path, aft
         whole(place, small_plan)
     small_plan.save(target)  # what is left does not disturb the next run
     whole(target, small_plan)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="names are exchanged in one step on Linux only")
+def test_both_plans_are_whole_until_they_exchange_their_names(
+    saved: Path, small_plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whenever a writer is killed: what the moments above meet by chance."""
+    exchange, seen = files._exchange, []
+
+    def looked_at(partial: Path, place: Path) -> bool:
+        seen.extend((partial, place))
+        for folder in seen:
+            whole(folder, small_plan)
+        return exchange(partial, place)
+
+    monkeypatch.setattr(files, "_exchange", looked_at)
+    small_plan.save(saved)
+    assert len(seen) == 2
+    whole(saved, small_plan)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="names are exchanged in one step on Linux only")
