@@ -2,8 +2,9 @@
 
 In the process of the tests, where packages are imported and functions made once for all of them, and warnings are
 errors. What a script imports itself is checked with the types; the script of the README has a process of its own.
-Scenes that a script loads are planned on a coarse grid with one mode, and fifty variants are five, and the film has
-fewer pictures: what is tried is that every line runs, not what the planner finds. The pages show whole runs.
+Scenes that a script loads are planned on a coarse grid with one mode; fifty variants are five, the film has fewer
+pictures, and the limit of one's own is kept with one cup. What is tried is that every line runs, not what the planner
+finds; the pages show whole runs.
 """
 
 from __future__ import annotations
@@ -35,7 +36,12 @@ def test_a_script_is_short_and_says_what_it_shows(script: Path) -> None:
 
 
 COARSE = {"planning.intervals": 40, "planning.slosh_modes": 1}
-FEWER = {"fifty_variants.py": ("0.60, 50)", "0.60, 5)"), "report_and_film.py": ("rate=10)", "rate=2)")}
+ONE_CUP = '.changed({"cargo": ns.load("matrix-liquid").source["cargo"][:1]})'
+FEWER = {
+    "fifty_variants.py": ("0.60, 50)", "0.60, 5)"),
+    "report_and_film.py": ("rate=10)", "rate=2)"),
+    "own_limit.py": ('ns.load("matrix-liquid")', f'ns.load("matrix-liquid"){ONE_CUP}'),
+}
 
 
 @pytest.fixture

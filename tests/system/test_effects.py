@@ -105,7 +105,9 @@ def variant(changed_scene: Callable[..., Scene]) -> Callable[[str], Scene]:
             "drop of the bottle": _DROP,
         }
         cup, *_, bottle = read_scenario("mixed-tray").source["cargo"]
-        objects = {"drop of the bottle": [bottle], "tin loaded on one side": [cup, _TIN]}
+        alone = ("drop of the bottle", "tight tilt", "tight path jerk")  # of the tray
+        alone += ("beside its path", "sharp turns")
+        objects = {"tin loaded on one side": [cup, _TIN]} | {key: [bottle] for key in alone}
         scene = changed_scene(
             "mixed-tray", {"cargo": objects.get(name, [cup, bottle])} | _QUICK | changes.get(name, {})
         )
