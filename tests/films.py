@@ -13,9 +13,17 @@ from nospill.drawing.timeline import Film, make_film
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scenario import scene_from_table
+from nospill.scenario.examples import EXAMPLES
 from nospill.scene.scene import Scene
 from nospill.transcription.starting_motions import Start
 from tests.builders import joint_path_of, smooth_record, with_few_speeds
+
+UNLIKE = tuple(
+    name
+    for name in EXAMPLES
+    if not name.startswith("matrix-liquid-") or name == "matrix-liquid-tilt-all-limits"  # the longest of these names
+)
+"""Examples whose objects have other names or places than those of matrix-liquid; that, level; and that, tilting."""
 
 
 def film_of(scene: Scene, *, rate: float = 30.0, stretch: float = 1.0) -> Film:

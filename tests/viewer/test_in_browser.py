@@ -19,11 +19,11 @@ pytest.importorskip("viser", reason="viser is not installed")
 # Playwright's own loop leaves sockets to the garbage collector.
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::ResourceWarning")]
 
-from nospill.scenario.examples import EXAMPLES  # noqa: E402
 from nospill.viewer.charts import draw_charts  # noqa: E402
 from nospill.viewer.html import CLOCK, save_html, with_charts  # noqa: E402
 from nospill.viewer.live import live_viewer, short_titles  # noqa: E402
 from nospill.viewer.playback import SPEEDS  # noqa: E402
+from tests.films import UNLIKE  # noqa: E402
 from tests.waiting import PATIENCE, wait_until  # noqa: E402
 
 CURSOR = "document.documentElement.style.getPropertyValue('--nospill-x')"
@@ -185,7 +185,7 @@ def test_no_text_of_two_plans_covers_another_in_any_window(
     assert page.errors == []
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", UNLIKE)
 def test_no_text_of_an_example_covers_another_in_any_window(
     page: Any, name: str, example_film: Callable[[str], Film]
 ) -> None:

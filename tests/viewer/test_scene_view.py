@@ -20,13 +20,12 @@ from nospill.drawing.stage import camera, occupied, side_by_side, swept_box
 from nospill.drawing.timeline import Film
 from nospill.drawing.views import CLOSE, View, arrangement
 from nospill.scenario import read_scenario, scene_from_table
-from nospill.scenario.examples import EXAMPLES
 from nospill.viewer.live import aim, running_server, short_titles, show_plans
 from nospill.viewer.names import letters_of, name_boxes
 from nospill.viewer.scene_view import PlanView, prepare
 from nospill.viewer.surroundings import add_surroundings, region_edges
 from nospill.viewer.words import title_of
-from tests.films import film_of
+from tests.films import UNLIKE, film_of
 
 
 @pytest.fixture(scope="module")
@@ -191,7 +190,7 @@ def test_names_cover_no_other_whatever_the_window(view: View, tilting_film: Film
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", UNLIKE)
 def test_names_of_an_example_have_room_near_the_cups(name: str, example_film: Callable[[str], Film]) -> None:
     films = [example_film(name)]
     for view in CLOSE:
