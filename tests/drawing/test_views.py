@@ -41,7 +41,7 @@ def share_of_objects(hand: SceneBuilder, index: int, view: View, aspect: float) 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["matrix-liquid-tilt", "pp-two-cups", "coffee-to-go", "mixed-tray", "soup-and-wine", "vial-rack"]
-)  # one of each kind of tray; the planned motions of all examples are looked at in tests/system/test_example_films.py
+)  # the trays of the other examples, as they are planned: tests/system/test_example_films.py
 def test_objects_fill_a_tenth_of_the_picture_throughout(name: str, example_film: Callable[[str], Film]) -> None:
     film = example_film(name)
     hand = SceneBuilder(film, path=False)

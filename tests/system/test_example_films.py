@@ -15,8 +15,15 @@ from nospill.plans.plan import Plan
 from tests.builders import with_few_speeds
 from tests.drawing.test_views import share_of_objects
 
-AS_PLANNED = ("matrix-liquid-tilt", "shelf-to-table", "vial-rack")
-"""The tray that leans most, the arm that comes nearest, the smallest objects; smooth motions of all: tests/drawing."""
+AS_PLANNED = (
+    "matrix-liquid-tilt",
+    "matrix-rigid",
+    "shelf-to-table",
+    "bracket-tray",
+    "cups-around-a-column",
+    "cups-past-a-column",
+)
+"""Cups on a tray that tilts, and all examples whose trays are not looked at in tests/drawing/test_views.py."""
 RATE = 2.0
 """Pictures a second; the share changes as slowly as the tray tilts."""
 
