@@ -24,14 +24,14 @@ def runge_kutta(
     Args:
         rate: of a state along a row.
         start: the first state.
-        rows: (9, 2 m + 1) at the ends and middles of the steps.
+        rows: (9, 2 m + 1) at the ends and middles of the steps, of several containers (9, 2 m + 1, c).
         step: s.
         holds: whether a state is one of a flow.
     """
     states = [start]
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         for index in range(rows.shape[1] // 2):
-            first, middle, last = rows[:, 2 * index : 2 * index + 3].T
+            first, middle, last = (rows[:, 2 * index + place] for place in range(3))
             state = states[-1]
             k1 = rate(state, first)
             k2 = rate(state + step / 2 * k1, middle)

@@ -25,13 +25,13 @@ from nospill.potential_flow.orders import LinearTerms, lean_of
 
 @dataclass(frozen=True, slots=True)
 class Fields:
-    """What the flow is at the surface.
+    """What flows of one basin are at the surface; ... are the axes of their states, none of one.
 
     Attributes:
-        height: (P,) eta, m.
-        steep: (2, P) its slope.
-        value: (P, J) Q, of every mode's potential per its amplitude.
-        velocity: (3, P) grad phi, m/s.
+        height: (..., P) eta, m.
+        steep: (2, ..., P) its slope.
+        value: (..., P, J) Q, of every mode's potential per its amplitude.
+        velocity: (3, ..., P) grad phi, m/s.
     """
 
     height: np.ndarray
@@ -41,45 +41,45 @@ class Fields:
 
 
 def fields_of(basin: Basin, state: np.ndarray) -> Fields:
-    """The flow of a state (2, J), surface and potential."""
-    modes, (surface, potential) = basin.modes, state
+    """The flow of states (..., 2, J), surface and potential."""
+    modes, surface, potential = basin.modes, state[..., 0, :], state[..., 1, :]
     k = modes.wave_number
-    height = modes.shape @ surface
+    height = surface @ modes.shape.T
     bottom = np.exp(-2 * k * basin.depth)
-    rising = np.exp(np.multiply.outer(height, k))
+    rising = np.exp(height[..., None] * k)
     falling = bottom / rising
     depth = (rising + falling) / (1 + bottom)
-    drop = k * (rising - falling) / (1 + bottom)
-    value = modes.shape * depth
-    along = (modes.slope * depth) @ potential
-    return Fields(height, modes.slope @ surface, value, np.stack([*along, (modes.shape * drop) @ potential]))
+    along, up = depth * potential[..., None, :], (rising - falling) * (k * potential / (1 + bottom))[..., None, :]
+    velocity = [np.einsum("pj,...pj->...p", slope, along) for slope in modes.slope]
+    velocity.append(np.einsum("pj,...pj->...p", modes.shape, up))
+    steep = np.stack([surface @ slope.T for slope in modes.slope])
+    return Fields(height, steep, modes.shape * depth, np.stack(velocity))
 
 
 def full_flow(terms: LinearTerms, state: np.ndarray, row: np.ndarray) -> np.ndarray:
-    """Rates (2, J) of surface and potential, m/s and m^2/s^2; arguments as of `orders.first_order`."""
-    from scipy.linalg import lu_factor, lu_solve  # slow to load
-
+    """Rates (..., 2, J) of surface and potential, m/s and m^2/s^2; arguments as of `orders.first_order`."""
     basin = terms.basin
     modes, flow = basin.modes, fields_of(basin, state)
-    weighted = modes.shape * modes.weight[:, None]
-    omega, force = row[:3], row[6:]
-    lean, lean_rate = lean_of(omega), lean_of(row[3:6])
     x, y = modes.points.T
-    velocity = flow.velocity + omega[2] * np.stack([*modes.turn, np.zeros_like(x)])
-    pressure = force[0] * x + force[1] * y + force[2] * flow.height + row[5] * modes.turn_potential
-    if lean.any():
-        velocity = velocity + terms.tilting.at(lean, flow.height).velocity
-    if lean_rate.any():
-        pressure = pressure + terms.tilting.at(lean_rate, flow.height).potential
-    wall = np.stack(
-        [omega[1] * flow.height - omega[2] * y, omega[2] * x - omega[0] * flow.height, omega[0] * y - omega[1] * x]
-    )
-    pressure = pressure + (np.einsum("xp,xp->p", velocity, velocity) - np.einsum("xp,xp->p", wall, wall)) / 2
-    through = velocity[2] - np.einsum("xp,xp->p", flow.steep, velocity[:2])
-    factors = lu_factor(weighted.T @ flow.value, check_finite=False)
-    rate = lu_solve(factors, flow.value.T @ (modes.weight * through), trans=1, check_finite=False)
-    push = weighted.T @ pressure + modes.norm * terms.friction * rate
-    return np.stack([rate, -lu_solve(factors, push, check_finite=False)])
+    omega, alpha, force = (part[..., None] for part in row.reshape(3, 3, *row.shape[1:]))
+    lean, lean_rate = (np.moveaxis(lean_of(part[..., 0]), 0, -1) for part in (omega, alpha))
+    past = modes.turn.reshape(2, *[1] * (row.ndim - 1), -1)
+    velocity = flow.velocity
+    velocity[:2] += omega[2] * past
+    pressure = force[0] * x + force[1] * y + force[2] * flow.height + alpha[2] * modes.turn_potential
+    if lean.any() or lean_rate.any():
+        leaned, pushed = terms.tilting.at_surface(lean, lean_rate, flow.height)
+        velocity += leaned
+        pressure += pushed
+    wall = (omega[1] * flow.height - omega[2] * y, omega[2] * x - omega[0] * flow.height, omega[0] * y - omega[1] * x)
+    pressure += (np.einsum("x...p,x...p->...p", velocity, velocity) - sum(part * part for part in wall)) / 2
+    through = velocity[2] - np.einsum("x...p,x...p->...p", flow.steep, velocity[:2])
+    weighted = modes.shape * modes.weight[:, None]
+    coupling = weighted.T @ flow.value
+    carried = np.einsum("...pj,...p->...j", flow.value, modes.weight * through)
+    rate = np.linalg.solve(np.swapaxes(coupling, -1, -2), carried[..., None])[..., 0]
+    push = pressure @ weighted + modes.norm * terms.friction * rate
+    return np.stack([rate, -np.linalg.solve(coupling, push[..., None])[..., 0]], axis=-2)
 
 
 def energy(basin: Basin, state: np.ndarray, gravity: float) -> float:

@@ -66,6 +66,26 @@ class Tilting:
             growth=np.stack([*(-2 * along), 2 * np.einsum("pj,pj->p", shape, faded * k)]),
         )
 
+    def at_surface(
+        self, lean: np.ndarray, lean_rate: np.ndarray, height: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """V of leans (..., 2), rad/s, and A of their rates, rad/s^2, at heights (..., P), m, above rest.
+
+        Returns:
+            (3, ..., P) m/s and (..., P) m^2/s^2.
+        """
+        modes = self.basin.modes
+        k, shape = modes.wave_number[self.index], modes.shape[:, self.index]
+        slope = modes.slope[:, :, self.index] / k
+        faded = np.exp(-(height + self.basin.depth)[..., None] * k)
+        side, side_rate = lean @ modes.points.T, lean_rate @ modes.points.T
+        own = faded * (lean @ self.share.T)[..., None, :]
+        own_rate = faded * (lean_rate @ self.share.T)[..., None, :]
+        velocity = [2 * np.einsum("pj,...pj->...p", part, own) for part in slope]
+        velocity.append(2 * (side - np.einsum("pj,...pj->...p", shape, own)))
+        potential = side_rate * height + 2 * np.einsum("pj,...pj->...p", shape / k, own_rate)
+        return np.stack(velocity), potential
+
 
 def tilting(basin: Basin) -> Tilting:
     """Set up `Tilting` with the modes of the basin whose bottom is felt at the surface."""
