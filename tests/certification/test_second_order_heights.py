@@ -10,7 +10,8 @@ import pytest
 
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.replay import Replay
-from nospill.certification.second_order import AFTER_END, heights_after, waves_along, with_second_order
+from nospill.certification.second_order import heights_after, waves_along, with_second_order
+from nospill.certification.wall_heights import AFTER_END
 from nospill.certification.wording import linear_heights_line
 from nospill.errors import ScenarioError
 from nospill.motion.at_speed import at_speed

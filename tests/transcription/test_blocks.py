@@ -19,10 +19,12 @@ from nospill.core.trees import constants
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
 from nospill.laws.parameters import Freedom
-from nospill.laws.sample import Sample, object_motion, sample_objects, split_states
+from nospill.laws.sample import Sample, driven_state, object_motion, sample_objects, split_states
 from nospill.laws.scene_parameters import structure_of
+from nospill.laws.slosh.driven_modes import driven_residual
 from nospill.laws.slosh.motion import motion_residual
 from nospill.scenario import read_scenario
+from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
 from nospill.transcription import object_block, tray_block
 from nospill.transcription.block_calls import Stacked
@@ -38,7 +40,8 @@ from tests.hasty import COMPILER
 
 INTERVALS = 2
 SLOWED = "mixed-tray, slowed"
-SCENES = ("matrix-liquid", "matrix-liquid-tilt", "matrix-liquid-corridor", "mixed-tray", SLOWED)
+DRIVEN = "matrix-liquid-tilt, driven"
+SCENES = ("matrix-liquid", "matrix-liquid-tilt", "matrix-liquid-corridor", "mixed-tray", SLOWED, DRIVEN)
 
 
 @cache
@@ -48,6 +51,14 @@ def problem(name: str) -> Problem:
     if name == SLOWED:  # a cup and a solid as at other speeds, the others as planned
         speeds = (0.6, 1.0, 1.0, 0.25)
         cargo = tuple(dataclasses.replace(item, speed=speed) for item, speed in zip(scene.cargo, speeds, strict=True))
+        scene = dataclasses.replace(scene, cargo=cargo)
+    if name == DRIVEN:  # two cups with two modes and the waves that they drive
+        cargo = tuple(with_modes(item, 2) for item in scene.cargo[:2])
+        cargo = tuple(
+            dataclasses.replace(item, filling=dataclasses.replace(item.filling, drives=True))
+            for item in cargo
+            if item.filling is not None
+        )
         scene = dataclasses.replace(scene, cargo=cargo)
     bare = build_problem(scene, INTERVALS, nominal_duration=1.8, backoff={})
     backoff = {row: 0.01 + 0.001 * number for number, row in enumerate(bare.rows.values())}
@@ -120,17 +131,24 @@ class Whole:
                 self.accelerations[point],
             )
             motion = self.motion(float(POINTS[point]))
-            residuals = [
-                motion_residual(
-                    oscillator,
-                    directions,
-                    object_motion(own, motion),
-                    state,
-                    damp_against_spin=self.structure.fidelity == "deliverable",
-                )
-                for own, item, of_object in zip(self.numbers.objects, self.structure.objects, states, strict=True)
-                for oscillator, directions, state in zip(own.oscillators, item.oscillators, of_object, strict=True)
-            ]
+            own_states = zip(self.numbers.objects, self.structure.objects, states, strict=True)
+            residuals = []
+            for index, (own, item, of_object) in enumerate(own_states):
+                residuals += [
+                    motion_residual(
+                        oscillator,
+                        directions,
+                        object_motion(own, motion),
+                        state,
+                        damp_against_spin=self.structure.fidelity == "deliverable",
+                    )
+                    for oscillator, directions, state in zip(own.oscillators, item.oscillators, of_object, strict=True)
+                ]
+                if item.driven:
+                    place = self.structure.slosh_slices[index]
+                    parts = (step.point_displacements[point], step.point_velocities[point], self.accelerations[point])
+                    waves = driven_state(item, *(part[place] for part in parts))
+                    residuals.append(driven_residual(own, object_motion(own, motion), of_object, waves))
             rows.append(values(ca.vertcat(*residuals)) / self.found.scales[self.layout.acceleration(point)])
         return np.concatenate(rows)
 

@@ -13,8 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nospill.certification.flow_left import Left, left_by_flow
 from nospill.certification.replay import Replay
 from nospill.certification.verdict import Trace
+from nospill.certification.wall_heights import INSTANTS, highest_on_wall
 from nospill.core.units import as_written
 from nospill.errors import ModelError
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -23,18 +25,9 @@ from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.potential_flow import Driven, driven, rows_at, second_order_states
 from nospill.scene.cargo import Cargo, Filling
-from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.heights import to_second_order
 from nospill.scene.scene import Scene
 from nospill.scene.sloshing.modes import wall_gains
-
-AFTER_END = 4.0
-"""s after the end in which the surface of second order is looked at; what is left fades, if slowly, and in that time
-its waves of four and more frequencies have met in nearly every phase."""
-_STEP = 5e-3
-"""s between the instants then; a mode of 6 Hz reaches 0.4 % more than its highest sample."""
-_AT_ONCE = 256
-"""Instants."""
 
 
 def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> tuple[Trace, ...]:
@@ -43,16 +36,24 @@ def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> 
     Slosh heights have the grid of the replay, residual heights instants from which the tray stands. What a stop leaves
     stays that of the modes.
     """
-    liquids, waves = _liquids(scene), dict[str, Waves]()
+    liquids, waves, flows = _liquids(scene), dict[str, Waves](), dict[int, dict[str, Left]]()
+
+    def left(name: str, index: int) -> float:
+        if index not in flows:
+            flows[index] = left_by_flow(scene, played, index)
+        found = flows[index].get(name)
+        return followed_waves(name).highest_after(index, scene.gravity) if found is None else found.highest
+
+    def followed_waves(name: str) -> Waves:
+        waves[name] = waves.get(name) or _waves(*liquids[name], played)
+        return waves[name]
 
     def judged(trace: Trace) -> Trace:
-        name = trace.subject
-        own = waves[name] = waves.get(name) or _waves(*liquids[name], played)
         if trace.constraint == SloshHeight.name:
-            value = own.crests
+            value = followed_waves(trace.subject).crests
         else:
             standing = np.clip(np.searchsorted(played.t, trace.t - 0.5 / played.rate), 0, len(played.t) - 1)
-            value = np.array([own.highest_after(int(index), scene.gravity) for index in standing])
+            value = np.array([left(trace.subject, int(index)) for index in standing])
         return replace(trace, value=value, margin=np.abs(trace.limit) - value, linear=trace.value)
 
     heights = {SloshHeight.name, *([ResidualHeight.name] if left_to_second_order(scene) else [])}
@@ -62,18 +63,19 @@ def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> 
 
 
 def left_to_second_order(scene: Scene) -> bool:
-    """Whether the height after the end is judged to the second order, of the liquids of which it is known."""
-    return scene.motion.residual_height == "second order" and not scene.motion.stop
+    """Whether the height after the end is judged to the second order or more, of the liquids of which it is known."""
+    return scene.motion.residual_height != "linear" and not scene.motion.stop
 
 
 def heights_after(scene: Scene, played: Replay, t: np.ndarray) -> dict[str, np.ndarray]:
-    """Of every liquid that is judged to the second order its greatest heights (n,) at even times after a replay, m."""
+    """Of liquids that are judged to the second order or more their greatest heights (n,) at even times after it, m."""
     if not left_to_second_order(scene):
         return {}
-    return {
-        name: _waves(cargo, modes, played).after(-1, t, scene.gravity).crests
-        for name, (cargo, modes) in _liquids(scene).items()
-    }
+    found = {name: left.crests(t) for name, left in left_by_flow(scene, played, -1).items()}
+    for name, (cargo, modes) in _liquids(scene).items():
+        if name not in found:
+            found[name] = _waves(cargo, modes, played).after(-1, t, scene.gravity).crests
+    return found
 
 
 def followed(scene: Scene, played: Replay, name: str) -> Waves:
@@ -129,8 +131,8 @@ class Waves:
         return waves_along(self.cargo, rest, *free, float(t[1] - t[0]), start=self.added[index])
 
     def highest_after(self, index: int, gravity: float) -> float:
-        """Greatest height in the `AFTER_END` s since an instant from which the tray stands level, m."""
-        return float(np.max(self.after(index, _STEP * np.arange(round(AFTER_END / _STEP) + 1), gravity).crests))
+        """Greatest height in the `INSTANTS` since an instant from which the tray stands level, m."""
+        return float(np.max(self.after(index, INSTANTS, gravity).crests))
 
 
 def waves_along(
@@ -162,7 +164,7 @@ def waves_along(
     begin = _beginning(cargo, liquid) if start is None else start
     added = second_order_states(liquid, own, displacement, velocity, step, begin)
     linear, yaw = _linear_heights(filling, own, displacement)
-    crests = _highest_on_wall(cargo, liquid, linear, added[:, 0]) + yaw
+    crests = highest_on_wall(cargo, liquid.terms.basin.modes, linear, added[:, 0]) + yaw
     return Waves(cargo, displacement, velocity, added, crests)
 
 
@@ -179,22 +181,6 @@ def _beginning(cargo: Cargo, liquid: Driven) -> np.ndarray:
             )
         begin[:, :count] = swing.second_height, swing.second_velocity
     return begin
-
-
-def _highest_on_wall(cargo: Cargo, liquid: Driven, linear: np.ndarray, added: np.ndarray) -> np.ndarray:
-    """Greatest heights (m,) of both orders round the wall, from those along x and y (m, 2) and of the modes (m, J)."""
-    modes = liquid.terms.basin.modes
-    half = np.max(np.abs(modes.wall), axis=0)
-    where: slice | np.ndarray = slice(None)
-    if not isinstance(cargo.container, Cylinder):  # of a box the corners: no yaw mode is higher elsewhere
-        where = np.flatnonzero(np.all(np.abs(modes.wall) > (1 - 1e-9) * half, axis=1))
-    shapes = np.hstack([modes.wall[where] / half, modes.wall_shape[where]])
-    heights = np.hstack([linear, added]).T
-    highest = np.empty(heights.shape[1])
-    for first in range(0, len(highest), _AT_ONCE):  # what stays in the cache is several times as fast
-        part = slice(first, first + _AT_ONCE)
-        highest[part] = np.max(shapes @ heights[:, part], axis=0)
-    return highest
 
 
 def _linear_heights(filling: Filling, body: np.ndarray, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -19,6 +19,7 @@ import numpy as np
 from nospill.core.frames import SX
 from nospill.core.trees import flatten, symbolic
 from nospill.paths.joint_curves import POSE
+from nospill.potential_flow.driven_numbers import driven_size
 from nospill.robots.tool import TOOL_NUMBERS
 from nospill.scene.containers.footprints import Footprint
 from nospill.scene.limits import Limit
@@ -122,6 +123,10 @@ class OscillatorNumbers:
     wall_gains: Annotated[Number, Of(shape=wall_points)] = 0.0
 
 
+def _driven(item: ObjectStructure) -> tuple[int, ...]:
+    return (driven_size() if item.driven else 0,)
+
+
 @dataclass(frozen=True, slots=True)
 class ObjectNumbers:
     """One object on the tray, SI.
@@ -146,6 +151,7 @@ class ObjectNumbers:
         static_correction: (2,) m, see `slosh.height`.
         yaw_correction: (9,) m^2 where the object's structure yaws, see `slosh.height`, else there is none.
         added_gravity: (1,) m/s^2 where the object's structure is slowed, else there is none.
+        driven: of the modes of second order that are carried, `potential_flow.driven_numbers`; empty without any.
         oscillators: the modal masses.
     """
 
@@ -168,6 +174,7 @@ class ObjectNumbers:
     static_correction: Annotated[Number, Of(shape=(2,))]
     yaw_correction: Annotated[Number, Of(shape=wall_points)]
     added_gravity: Annotated[Number, Of(shape=lambda item: (int(item.slowed),))]
+    driven: Annotated[Number, Of(shape=_driven)]
     oscillators: tuple[OscillatorNumbers, ...]
 
 
@@ -253,6 +260,7 @@ class ObjectStructure:
         constraints: given from Python, that are about it.
         fixed: whether it cannot move on what it stands on.
         lid: whether its liquid is closed in.
+        driven: number of modes of second order among its slosh coordinates, after those of the modal masses.
     """
 
     footprint: type[Footprint]
@@ -266,6 +274,7 @@ class ObjectStructure:
     constraints: tuple[Limit, ...] = ()
     fixed: bool = False
     lid: bool = False
+    driven: int = 0
 
     @property
     def yaws(self) -> bool:
@@ -285,6 +294,11 @@ class ObjectStructure:
     @property
     def coordinates(self) -> int:
         """Number of slosh coordinates of the object."""
+        return self.linear_coordinates + self.driven
+
+    @property
+    def linear_coordinates(self) -> int:
+        """Number of those of the modal masses."""
         return sum(len(directions) for directions in self.oscillators)
 
     @property

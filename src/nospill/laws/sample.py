@@ -26,6 +26,7 @@ class ObjectSample:
         surface: (2, 1), rise of the liquid at the wall in the directions x and y, m.
         yaw_heights: (9, 1), m, what the yaw modes of a box that turns add at places of its wall
             (`yaw_modes.wall_points`); (0, 1) of what has none.
+        driven: of the modes of second order where they are carried, at the end.
         states: of its modal masses: displacement, m, velocity and acceleration.
     """
 
@@ -36,6 +37,7 @@ class ObjectSample:
     surface: SX
     states: tuple[OscillatorState, ...]
     yaw_heights: SX = field(default_factory=lambda: SX.zeros(0, 1))
+    driven: OscillatorState | None = None
 
     @property
     def wall_vectors(self) -> tuple[SX, ...]:
@@ -125,6 +127,12 @@ def object_states(
     return tuple(
         OscillatorState(position[own], velocity[own], acceleration[own]) for own in structure.oscillator_slices
     )
+
+
+def driven_state(structure: ObjectStructure, position: SX, velocity: SX, acceleration: SX) -> OscillatorState:
+    """State of the modes of second order of one object, likewise."""
+    own = slice(structure.linear_coordinates, structure.coordinates)
+    return OscillatorState(position[own], velocity[own], acceleration[own])
 
 
 def coordinate_count(structure: Structure) -> int:

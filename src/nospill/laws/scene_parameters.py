@@ -25,6 +25,7 @@ from nospill.laws.parameters import (
     blank_numbers,
     sources,
 )
+from nospill.potential_flow.driven_numbers import driven_count, driven_vector
 from nospill.robots.description.urdf import without_place
 from nospill.robots.description.urdf_tree import rotation_of
 from nospill.robots.kinematics.dynamics import NO_LOAD, Load, load_of, torque_joints
@@ -80,7 +81,12 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
         constraints=cargo.constraints,
         fixed=cargo.fixed,
         lid=cargo.filling is not None and cargo.filling.lid,
+        driven=driven_count() if _drives(cargo) else 0,
     )
+
+
+def _drives(cargo: Cargo) -> bool:
+    return cargo.filling is not None and cargo.filling.drives
 
 
 def _tense(cargo: Cargo) -> bool:
@@ -116,7 +122,10 @@ def _further_limits(robot: Robot) -> dict[str, np.ndarray | None]:
 
 def initial_coordinates(scene: Scene) -> np.ndarray:
     """Displacements (m) and velocities (m/s) of all slosh coordinates when the motion begins, shape (2, k)."""
-    return np.hstack([np.zeros((2, 0)), *(cargo.initial_coordinates for cargo in scene.cargo)])
+    parts = [np.zeros((2, 0))]
+    for cargo in scene.cargo:
+        parts += [cargo.initial_coordinates, np.zeros((2, driven_count() if _drives(cargo) else 0))]
+    return np.hstack(parts)
 
 
 def numbers_of(scene: Scene, payload: Sequence[Cargo] | None = None) -> SceneNumbers:
@@ -241,6 +250,7 @@ def object_numbers(cargo: Cargo, *, fidelity: Fidelity, gravity: float) -> Objec
         static_correction=np.asarray(filling.modes.static_correction) if filling else np.zeros(2),
         yaw_correction=_yaw_correction(cargo),
         added_gravity=np.full(int(cargo.is_slowed), gravity / speed**2 - gravity),
+        driven=driven_vector(cargo) if _drives(cargo) else np.zeros(0),
         oscillators=tuple(
             OscillatorNumbers(
                 frequency=mode.frequency / speed,

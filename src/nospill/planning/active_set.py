@@ -22,6 +22,15 @@ from nospill.laws.constraints.clearance import Clearance, clearance_backoff
 from nospill.laws.constraints.joint_jerk import command_backoff
 from nospill.laws.constraints.joint_position import JointPosition, range_backoff
 from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.planning.driven_waves import (
+    FIRST_BACKOFF,
+    as_carried,
+    far_over,
+    first_jerk_weight,
+    smooth_enough,
+    steadier,
+    steadier_backoff,
+)
 from nospill.planning.members import (
     Crests,
     Members,
@@ -250,7 +259,9 @@ class ActiveSet:
         `missing`. Where there is none, violated rows join, those in the problem get a larger back-off, and `far_peaks`
         join, which that does not reach.
         """
-        found = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
+        found = [row for row in self._judged(judgement) if row.constraint not in self.task.ignored]
+        if self.task.smooth_first and self.refined and smooth_enough(found, self.task.may_be_driven):
+            return self._with_driven(judgement)
         rows = [by_modes(row) for row in found]
         smooth = self._smoothed(found)
         refined = self.refined | self._too_coarse(rows)
@@ -258,13 +269,17 @@ class ActiveSet:
             alone = self._outside(rows, np.inf, judgement)
             return self.joined(self.members | alone, refined.union(name for name, _ in alone), judgement)
         uses = uses_of(self._on_members(rows, own=True))
-        at_end = {row: use for row, use in uses.items() if row.constraint in END_NAMES}
+        driven = self._driven
+        at_end = {row: use for row, use in uses.items() if row.constraint in END_NAMES and row.subject not in driven}
         over = beyond_backoff(at_end, self.backoff, self.excess) if refined else 0.0
         modes = min(2 * self.modes, _MOST_MODES, self.task.scene.slosh_modes)
         if 1.0 < over <= ROUGH and modes > self.modes:
             kept = {row: value for row, value in self.backoff.items() if row not in self._final}
             return replace(self, modes=modes, backoff=kept).joined(self.members, refined, judgement)
         heavier = max(increased_jerk_weight(self.jerk_weight_factor, over), smooth.jerk_weight_factor)
+        by_flow = steadier(self.jerk_weight_factor, self._on_members(rows), driven, self.backoff)
+        if by_flow > heavier:
+            return self._steadier(by_flow, list(self._on_members(rows)), slack)
         if heavier > self.jerk_weight_factor:
             return replace(smooth, jerk_weight_factor=heavier)
         outside = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
@@ -289,6 +304,24 @@ class ActiveSet:
             everywhere=self.everywhere | touching,
         )
 
+    def _steadier(self, factor: float, rows: list[Row], slack: Mapping[RowId, float]) -> ActiveSet:
+        """The set with jerks that weigh more, what the flow asks for at the end, and crests as they are."""
+        crests = [row for row in self._within_ranges(rows) if row.shortfall > 0.0 and not row.at_end]
+        raised = steadier_backoff(rows, self._driven, self.backoff)
+        backoff, joining = tightened(crests, self.rows, raised, slack, self.crests)
+        return replace(self, jerk_weight_factor=factor, backoff=backoff, rows=self.rows | joining)
+
+    @property
+    def _driven(self) -> frozenset[str]:
+        """Names in the problem of those whose waves of second order are among its states."""
+        driven = self.task.driven & self.refined
+        return frozenset(label for (name, _), label in self.names.items() if name in driven)
+
+    def _judged(self, judgement: Judgement) -> list[Row]:
+        """The rows of every variant; what problems have as the judge has it, as they have it."""
+        driven = self.task.driven
+        return [as_carried(row) if row.subject in driven else row for row in judgement.variant_rows]
+
     def _smoothed(self, rows: Iterable[Row]) -> ActiveSet:
         """The set with what heights of second order after the end ask for, where they are over their limits."""
         left = list(self._on_members(rows))
@@ -311,7 +344,7 @@ class ActiveSet:
 
     def relaxed(self, judgement: Judgement) -> ActiveSet:
         """The set without most of the back-off that a certified motion shows to be more than is needed."""
-        own = list(self._on_members(judgement.variant_rows, own=True))
+        own = list(self._on_members(self._judged(judgement), own=True))
         relaxed = relaxed_backoff(self.backoff, uses_of(row for row in own if row.linear_value is None))
         return replace(self, backoff={**relaxed, **relaxed_by_order(own, self.backoff)})
 
@@ -329,25 +362,38 @@ class ActiveSet:
             light = lighter(heavy, use, self.smoothness, rings=rings)
             found = replace(self, margins=margins, jerk_weight_factor=light, smoothness=Smoothness(heavy, use))
             return replace(found, holds_with=heavy)
-        own = list(self._on_members(judgement.variant_rows))
+        if self.task.smooth_first:
+            return self._with_driven(judgement)
+        own = list(self._on_members(self._judged(judgement)))
         factor = rougher(self.jerk_weight_factor, own)
         if factor == self.jerk_weight_factor:
             return self
         return replace(self, jerk_weight_factor=factor, backoff={**self.backoff, **relaxed_by_order(own, self.backoff)})
 
+    def _with_driven(self, judgement: Judgement) -> ActiveSet:
+        """The set with waves of second order as states, after a motion that is smooth enough to begin with."""
+        kept = {row: value for row, value in self.backoff.items() if row not in self._final}
+        task = replace(self.task, smooth_first=False)
+        factor = first_jerk_weight(self.jerk_weight_factor)
+        begun = replace(self, task=task, refined=frozenset(), backoff=kept, jerk_weight_factor=factor)
+        return begun.joined(self.members, self.refined, judgement)
+
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
         """The set with other members and modes, with the back-off that is known and without the rows that stay far."""
-        rows = [row for row in judgement.variant_rows if row.constraint not in self.task.ignored]
+        if refined and not self.refined and far_over(judgement.variant_rows, self.task.driven):
+            return replace(self, task=replace(self.task, smooth_first=True)).joined(members, refined, judgement)
+        rows = [row for row in self._judged(judgement) if row.constraint not in self.task.ignored]
         smooth = self._smoothed(rows)
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
         grown = replace(grown, rows=grown.rows | (self.rows & self.task.of_arm))
         fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
         smoother = smooth.jerk_weight_factor > self.jerk_weight_factor
         of_sum = backoff_with_room(_OF_SUM, 1.0) if smoother else _OF_SUM
-        residual = {RowId(ResidualHeight.name, label): of_sum for label in fresh}
+        driven = grown._driven
+        residual = {RowId(ResidualHeight.name, own): FIRST_BACKOFF if own in driven else of_sum for own in fresh}
         spent = dict.fromkeys(self._members.saturated_at_end(self.backoff), _OF_SUM)
         grown = grown.with_backoff({**smooth.backoff, **spent}).with_backoff(residual)
-        own = list(grown._on_members(judgement.variant_rows, own=True))
+        own = list(grown._on_members(self._judged(judgement), own=True))
         if not smoother:  # else those crests say little of smoother waves
             grown = grown.with_backoff(backoff_by_order(own, grown.backoff))
         grown = replace(

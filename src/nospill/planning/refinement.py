@@ -147,7 +147,11 @@ def _lightened(judged: Judged, log: Log) -> Judged:
             return judged
         refined = None
         with suppress(NoSolutionError):
-            again = _tighten(judged.candidate, lighter, log)
+            if lighter.scene is active.scene:
+                again = _tighten(judged.candidate, lighter, log)
+            else:
+                start = start_from(lighter, judged.trajectory, log, judged.candidate.stages)
+                again = solve_from(lighter, start, log, BARRIERS[:1])
             refined = again and _refine_until_certified(again, log, below=end)
         if refined is None or not refined.judgement.certificate.ok or refined.trajectory.end_time >= end:
             return judged
@@ -215,7 +219,10 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
         with log.phase("export"):
             trajectory = exported(candidate)
         with log.phase("certify"):
-            judgement = judge_motion(trajectory, scene)
+            looked_at = candidate.active.task.judged_scene(candidate.active.refined)
+            judgement = judge_motion(trajectory, looked_at)
+            if judgement.leaves_margin and looked_at is not scene:
+                judgement = judge_motion(trajectory, scene)
             slosh = judged_tracks(trajectory, scene, judgement.replay, judgement.traces)
             log.judged(holds_from(judgement, candidate.active.task))
             return Judged(candidate, replace(trajectory, slosh=slosh), judgement)

@@ -1,7 +1,8 @@
-"""What is left after the end to the second order: smoothness and less of the modes' own waves, where it is too much.
+"""What is left after the end to the second order, where it is too much and no problem has its waves.
 
-The optimiser's row is about the modes, and so are back-off, members and modes that join. The waves of second order are
-in no problem: smooth motions hardly leave any, so where the judge finds too many, the jerks weigh more.
+The optimiser's row is about the modes, and so are back-off, members and modes that join. Smooth motions hardly leave
+any waves of second order, so where the judge finds too many, the jerks weigh more. Where a problem has those waves
+among its states, `driven_waves` has the rules.
 """
 
 from __future__ import annotations

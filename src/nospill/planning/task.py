@@ -15,6 +15,7 @@ from nospill.laws.constraints.residual_height import EndDisplacement
 from nospill.laws.like_objects import hull_objects, least_tolerant_objects
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
+from nospill.scene.heights import by_nonlinear_flow
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import heaviest
 from nospill.scene.variants import Variant, VariantId, scene_of, variants_by_object
@@ -43,6 +44,7 @@ class Task:
         outer: objects that no like ones stand for.
         ignored: names of constraints that the problem leaves out.
         passage: how the arm passes its singularities.
+        smooth_first: whether waves of second order are kept out of its problems until a motion is smooth enough.
     """
 
     scene: Scene
@@ -52,6 +54,7 @@ class Task:
     outer: frozenset[str]
     ignored: frozenset[str] = frozenset()
     passage: Passage = NOT_BOUNDED
+    smooth_first: bool = False
 
     @classmethod
     def of(cls, scene: Scene, ignored: Collection[str] = ()) -> Task:
@@ -123,6 +126,37 @@ class Task:
         chosen = {cargo.name for cargo in least_tolerant_objects(self.model, most)}
         return frozenset(stated.id for stated, *_ in self.variants if stated.name in chosen)
 
+    @property
+    def driven(self) -> frozenset[str]:
+        """Objects whose waves of second order are states of the problems that have more than one mode of them.
+
+        Cups whose height after the end is judged by the nonlinear flow, unless smoothness comes first.
+        """
+        return frozenset() if self.smooth_first else self.may_be_driven
+
+    @property
+    def may_be_driven(self) -> frozenset[str]:
+        """The same whatever comes first."""
+        motion, alone = self.scene.motion, min(self.speeds.values(), default=1.0) == 1.0
+        if motion.stop or not alone or self.scene.initial_state is not None or self.scene.planned_modes < 2:
+            return frozenset()
+        order, left = motion.slosh_height, motion.residual_height
+        return frozenset(item.name for item in self.scene.cargo if by_nonlinear_flow(item, order, left))
+
+    def judged_scene(self, refined: Collection[str]) -> Scene:
+        """The scene that a motion is judged for.
+
+        Of a problem without the modes that drive waves of second order, what is left of those is looked at to that
+        order: the motion is so rough that its flow says little.
+        """
+        if refined or not self.may_be_driven:
+            return self.scene
+        return replace(self.scene, motion=replace(self.scene.motion, residual_height="second order"))
+
+    def _refined(self, variant: Variant, modes: int) -> Variant:
+        refined = _with_excited_modes(variant, modes)
+        return _with_driven(refined) if variant.name in self.driven else refined
+
     def problem_scene(self, members: Collection[VariantId], refined: Collection[str], modes: int) -> Scene:
         """The scene of a problem that holds some variants of some objects, those named in `refined` with more modes."""
         scene = self.searched_scene
@@ -130,13 +164,18 @@ class Task:
             # Its equalities are bounds of the variables, which only another end condition takes away.
             scene = replace(scene, motion=replace(scene.motion, end="residual"))
         families = [
-            [
-                _with_excited_modes(item, modes) if item.name in refined and item.id in members else item
-                for item in variants
-            ]
+            [self._refined(item, modes) if item.name in refined and item.id in members else item for item in variants]
             for variants in self.variants
         ]
         return scene_of(scene, families, members)
+
+
+def _with_driven(variant: Variant) -> Variant:
+    """A variant with the waves of second order that its modes drive."""
+    filling = variant.cargo.filling
+    if filling is None or filling.modes.count < 2:
+        return variant
+    return replace(variant, cargo=replace(variant.cargo, filling=replace(filling, drives=True)))
 
 
 def _with_excited_modes(variant: Variant, modes: int) -> Variant:

@@ -53,11 +53,11 @@ class Driven:
 def driven(cargo: Cargo) -> Driven:
     """Set up the second order of a liquid; `unsupported` says whether it may be asked for."""
     assert cargo.filling is not None  # what is asked for is a liquid
-    return _driven_like(_Key(cargo))
+    return _driven_like(LiquidKey(cargo))
 
 
 @lru_cache(maxsize=64)
-def _driven_like(key: _Key) -> Driven:
+def _driven_like(key: LiquidKey) -> Driven:
     terms, cargo = linear_terms(driven_basin(key.cargo)), key.cargo
     count = len(terms.stiffness)
     axes, diameters = np.eye(count, dtype=complex), np.zeros(count)
@@ -86,8 +86,8 @@ def _driving(terms: LinearTerms, gains: np.ndarray) -> np.ndarray:
     return np.flatnonzero(reached | (turned @ reached > 0.0))
 
 
-class _Key:
-    """A liquid by what its terms follow from."""
+class LiquidKey:
+    """A liquid by what its terms follow from; equal of like ones."""
 
     def __init__(self, cargo: Cargo) -> None:
         filling = cargo.filling
@@ -107,7 +107,7 @@ class _Key:
         return hash(self.values)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Key) and self.values == other.values
+        return isinstance(other, LiquidKey) and self.values == other.values
 
 
 def height_gains(oscillators: Sequence[Oscillator], basin: Basin) -> np.ndarray:

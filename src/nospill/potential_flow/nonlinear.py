@@ -77,9 +77,20 @@ def full_flow(terms: LinearTerms, state: np.ndarray, row: np.ndarray) -> np.ndar
     weighted = modes.shape * modes.weight[:, None]
     coupling = weighted.T @ flow.value
     carried = np.einsum("...pj,...p->...j", flow.value, modes.weight * through)
-    rate = np.linalg.solve(np.swapaxes(coupling, -1, -2), carried[..., None])[..., 0]
+    rate = _solved(np.swapaxes(coupling, -1, -2), carried)
     push = pressure @ weighted + modes.norm * terms.friction * rate
-    return np.stack([rate, -np.linalg.solve(coupling, push[..., None])[..., 0]], axis=-2)
+    return np.stack([rate, -_solved(coupling, push)], axis=-2)
+
+
+def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solutions (..., J) of linear systems; NaN where one is singular, as where a flow has broken down."""
+    try:
+        found: np.ndarray = np.linalg.solve(matrix, right[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        if matrix.ndim == 2:
+            return np.full_like(right, np.nan)
+        return np.stack([_solved(*pair) for pair in zip(matrix, right, strict=True)])
+    return found
 
 
 def energy(basin: Basin, state: np.ndarray, gravity: float) -> float:

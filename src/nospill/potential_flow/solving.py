@@ -8,10 +8,13 @@ from __future__ import annotations
 import numpy as np
 
 from nospill.core.hermite import cubic_hermite
+from nospill.potential_flow.basin import Basin
 from nospill.potential_flow.integration import runge_kutta
 from nospill.potential_flow.nonlinear import full_flow
 from nospill.potential_flow.orders import LinearTerms, first_order, second_order, second_order_sources
 
+_CHECKED = 20
+"""Steps after which states of several containers are looked at."""
 _HIGHEST = 1.84
 """Heights over 1/k of the slowest mode, a cup's radius, from which on a state is none of a flow any more."""
 
@@ -56,10 +59,37 @@ def _with_middles(terms: LinearTerms, states: np.ndarray, rows: np.ndarray, step
 
 def whole_flow(terms: LinearTerms, start: np.ndarray, rows: np.ndarray, step: float) -> np.ndarray:
     """States (n, 2, J) of the full flow, n <= m + 1: as far as it goes."""
-    modes = terms.basin.modes
-    highest = min(terms.basin.depth, _HIGHEST / float(np.min(modes.wave_number)))
+    modes, highest = terms.basin.modes, greatest_height(terms.basin)
 
     def holds(state: np.ndarray) -> bool:
         return bool(np.all(np.isfinite(state)) and np.max(np.abs(modes.shape @ state[0])) < highest)
 
     return runge_kutta(lambda state, row: full_flow(terms, state, row), start, rows, step, holds=holds)
+
+
+def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> np.ndarray:
+    """States (c, 2, J) of the full flow at the end of a motion that c like containers begin at rest.
+
+    Args:
+        terms: of the basin of each.
+        rows: (9, 2 m + 1, c).
+        step: s.
+
+    Returns:
+        NaN for a container whose flow breaks down.
+    """
+    state = np.zeros((rows.shape[2], 2, len(terms.stiffness)))
+    modes, highest = terms.basin.modes, greatest_height(terms.basin)
+    with np.errstate(invalid="ignore"):
+        for first in range(0, rows.shape[1] - 1, 2 * _CHECKED):
+            part = rows[:, first : first + 2 * _CHECKED + 1]
+            always = runge_kutta(lambda now, row: full_flow(terms, now, row), state, part, step, holds=lambda _: True)
+            state = always[-1]
+            high = np.max(np.abs(state[:, 0] @ modes.shape.T), axis=1)
+            state[~(high < highest)] = np.nan
+    return state
+
+
+def greatest_height(basin: Basin) -> float:
+    """Height from which on a state is none of a flow any more, m."""
+    return min(basin.depth, _HIGHEST / float(np.min(basin.modes.wave_number)))

@@ -66,9 +66,7 @@ class Tilting:
             growth=np.stack([*(-2 * along), 2 * np.einsum("pj,pj->p", shape, faded * k)]),
         )
 
-    def at_surface(
-        self, lean: np.ndarray, lean_rate: np.ndarray, height: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def at_surface(self, lean: np.ndarray, lean_rate: np.ndarray, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """V of leans (..., 2), rad/s, and A of their rates, rad/s^2, at heights (..., P), m, above rest.
 
         Returns:

@@ -22,7 +22,7 @@ from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
 from nospill.scenario.tables import Given, OptionalQuantities, OptionalQuantity, Quantities, Quantity, Table, default
 from nospill.scenario.tracking_entry import ToleranceTable
-from nospill.scene.heights import HeightOrder
+from nospill.scene.heights import HeightOrder, ResidualOrder
 from nospill.scene.scene import FULL_MODES, EndCondition, Fidelity
 from nospill.scene.tray import Tray
 
@@ -137,10 +137,10 @@ class MotionTable(Table):
         ),
     ] = None
     residual_height: Annotated[
-        HeightOrder,
+        ResidualOrder,
         Field(
             description="what residual_fraction bounds: the linear height after the end, or, where slosh_height is of "
-            "second order, that of second order"
+            "second order, that of second order or that of the nonlinear flow"
         ),
     ] = "linear"
     duration: Annotated[

@@ -320,10 +320,11 @@ def _check_motion(scenario: Scenario) -> None:
 
 
 def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
-    """Refuse heights of second order where the scene has none."""
-    if scenario.motion.residual_height == "second order" and _height_order(scenario)[0] != "second order":
+    """Refuse heights of second order, and after the end of the nonlinear flow, where the scene has none."""
+    residual = scenario.motion.residual_height
+    if residual != "linear" and _height_order(scenario)[0] != "second order":
         raise ScenarioError(
-            'residual_height = "second order" is stated where slosh heights are linear; leave it out, or state '
+            f'residual_height = "{residual}" is stated where slosh heights are linear; leave it out, or state '
             'slosh_height = "second order" to see what is in the way'
         )
     if scenario.motion.slosh_height != "second order":

@@ -33,6 +33,7 @@ class Filling:
         frequency_factor: on the frequencies of its modes, which `modes` have: what they are off by.
         turns: whether its container turns about its own axis, which makes yaw modes swing (`scene.turning`).
         lid: whether the container is closed, so that its surface may rise to any height.
+        drives: whether the waves of second order that its modes drive are states of a problem.
     """
 
     liquid: Liquid
@@ -47,6 +48,7 @@ class Filling:
     turns: bool = False
     frequency_factor: float = 1.0
     lid: bool = False
+    drives: bool = False
 
     @property
     def oscillators(self) -> tuple[Oscillator, ...]:

@@ -9,6 +9,8 @@ from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
 
 HeightOrder = Literal["linear", "second order"]
+ResidualOrder = Literal["linear", "second order", "nonlinear"]
+"""Of heights after the end; nonlinear is by the flow in full."""
 
 
 def unsupported(cargo: Cargo) -> str | None:
@@ -38,6 +40,18 @@ def linear_since(cargo: Cargo) -> str | None:
     if reason is None and swing is not None and not swing.to_second_order:
         return "its swing at the beginning is known to the first order alone"
     return reason
+
+
+def by_nonlinear_flow(cargo: Cargo, order: HeightOrder, residual: ResidualOrder) -> bool:
+    """Whether what is left of an object's liquid is judged by the nonlinear flow where the scene says both orders.
+
+    Of upright cups, the liquid as stated, at the planned speed and from rest; others are judged to the second order.
+    """
+    filling = cargo.filling
+    asked = residual == "nonlinear" and isinstance(cargo.container, Cylinder)
+    if not asked or filling is None or not to_second_order(cargo, order):
+        return False
+    return filling.initial_swing is None and filling.frequency_factor == 1.0 and not cargo.is_slowed
 
 
 def to_second_order(cargo: Cargo, order: HeightOrder) -> bool:

@@ -18,7 +18,7 @@ from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.controller import Controller
-from nospill.scene.heights import HeightOrder
+from nospill.scene.heights import HeightOrder, ResidualOrder
 from nospill.scene.initial_state import InitialState
 from nospill.scene.limits import Limit, LimitRecord
 from nospill.scene.obstacles import Obstacle
@@ -69,7 +69,7 @@ class MotionRules:
         corridor_shares: parts of `corridor` at even steps of the path parameter, where it is not as wide everywhere.
         slosh_height: to which order the heights of the liquids are judged, as far as it is known of them.
         linear_since: why all of them are linear, as the end of a sentence; empty where they are not, or as published.
-        residual_height: likewise, of heights after the end; of second order only where `slosh_height` is.
+        residual_height: likewise, of heights after the end; linear where `slosh_height` is.
         stop: whether it may come to rest anywhere on its path.
         stoppable: s, within which a certified stop exists at every instant; None where that is not asked for.
     """
@@ -93,7 +93,7 @@ class MotionRules:
     corridor_shares: tuple[float, ...] = ()
     slosh_height: HeightOrder = "linear"
     linear_since: str = ""
-    residual_height: HeightOrder = "linear"
+    residual_height: ResidualOrder = "linear"
     stop: bool = False
     stoppable: float | None = None
 

@@ -150,7 +150,7 @@ def _moved(
     """The tray, and the joints' positions, speeds and accelerations (m, n)."""
     if scene.path.joint_curve is not None:
         return _along_curve(scene, scene.path.joint_curve, chains)
-    tray = _tray_samples(scene, chains)
+    tray = tray_samples(scene, chains)
     return tray, _joint_samples(scene, stages, layout, t, tray, chains)
 
 
@@ -216,7 +216,8 @@ def _dense(name: str, inputs: list[SX], parts: list[SX]) -> Any:
     return ca.Function(name, inputs, [ca.densify(ca.vertcat(*parts))], {"cse": True})
 
 
-def _tray_samples(scene: Scene, chains: np.ndarray) -> TraySamples:
+def tray_samples(scene: Scene, chains: np.ndarray) -> TraySamples:
+    """The tray at m instants from value, rate and acceleration (m, 3 c) of the chains that move it."""
     structure, path = structure_of(scene), scene.path
     kind = replace(motion_kind(structure), degree=piece_degree(structure))
     pieces = path_table(path.breaks, path.coefficients, degree=kind.degree)[:, span_of(path.breaks, chains[:, 0])]
@@ -284,10 +285,11 @@ def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dic
     for index, (cargo, own) in enumerate(zip(scene.cargo, structure.slosh_slices, strict=True)):
         if cargo.filling is None or cargo.is_slowed:
             continue
-        displacement, function = (
-            samples.displacement[:, own],
-            crest_function(object_kind(structure, structure.objects[index])),
-        )
-        crests = evaluate(function, [displacement.T, tray.body], flatten(numbers_of_object(numbers, index)))
+        item = replace(structure.objects[index], driven=0)
+        own = slice(own.start, own.start + item.coordinates)
+        displacement, function = samples.displacement[:, own], crest_function(object_kind(structure, item))
+        gravity, fraction, read = numbers_of_object(numbers, index)
+        parameters = flatten((gravity, fraction, replace(read, driven=np.zeros(0))))
+        crests = evaluate(function, [displacement.T, tray.body], parameters)
         tracks[cargo.name] = SloshTrack(displacement, samples.velocity[:, own], crests[0])
     return tracks

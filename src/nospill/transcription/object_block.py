@@ -22,7 +22,8 @@ from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.contact import Wrench
 from nospill.laws.kinds import functions_of_kind, limited_object_kind, symbolic_object
 from nospill.laws.parameters import ObjectStructure, SceneNumbers, Structure
-from nospill.laws.sample import ObjectSample, Sample, object_motion, object_states, sample_objects
+from nospill.laws.sample import ObjectSample, Sample, driven_state, object_motion, object_states, sample_objects
+from nospill.laws.slosh.driven_modes import driven_residual
 from nospill.laws.slosh.motion import motion_residual
 from nospill.transcription.collocation import gauss_step, interior
 from nospill.transcription.lifted_variables import LiftedVariables
@@ -228,6 +229,10 @@ def _expressions(
                 strict=True,
             )
         ]
+        if item.driven:
+            states = object_states(item, position, rate, pair[point])
+            waves = driven_state(item, position, rate, pair[point])
+            residuals.append(driven_residual(numbers, motion, states, waves))
         if residuals:
             fixed.append(ca.vertcat(*residuals) / of_accelerations[point])
     # Constraints are imposed at the node, where jerk-limited accelerations have their corners, and in the middle.
@@ -259,6 +264,9 @@ def _build_end(kind: Structure) -> tuple[codegen.Functions, dict[str, Any]]:
     # slosh accelerations are not read there
     states = object_states(item, displacement, velocity, SX.zeros(item.coordinates))
     objects = sample_objects(kind, given.numbers, frame_at_rest(given.numbers.gravity), (states,))
+    if item.driven:
+        own = driven_state(item, displacement, velocity, SX.zeros(item.coordinates))
+        objects = (replace(objects[0], driven=own),)
     rows = RowCollector(given.backoff)
     rows.add(Sample(kind, given.numbers, objects=objects), (EvaluationPoint.END,))
     values = rows.stacked()[0]

@@ -15,6 +15,7 @@ from nospill.laws.constraints import by_name, constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.parameters import Number, SceneNumbers, Structure
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
+from nospill.laws.slosh.driven_modes import driven_frequencies
 from nospill.robots.kinematics.regularity import determinants
 from nospill.scene.cargo import Cargo
 from nospill.scene.initial_state import InitialState
@@ -32,6 +33,9 @@ _SHORTEST = 0.05
 
 _LARGEST_SLOSH_SCALE = 0.02
 """Scale of a surface height when its limit is generous, m."""
+
+_DRIVEN = 0.3
+"""Height of a mode of second order over that of the surface, for its scale."""
 
 _SELF_MOTION_JERK = 1000.0
 """Bound on the third derivative of a seven-joint arm's free parameter, rad/s^3."""
@@ -263,6 +267,9 @@ def _scales(
         height = min(object_numbers.max_slosh_height, _LARGEST_SLOSH_SCALE)
         for directions, mode in zip(item.oscillators, object_numbers.oscillators, strict=True):
             oscillations += [(height / abs(mode.surface_gain), mode.frequency)] * len(directions)
+        if item.driven:
+            frequencies = driven_frequencies(object_numbers.driven, numbers.gravity)
+            oscillations += [(_DRIVEN * height, frequency) for frequency in frequencies]
     displacement = np.array([amplitude for amplitude, _ in oscillations])
     frequency = np.array([frequency for _, frequency in oscillations])
     scales[layout.displacement] = displacement
@@ -332,7 +339,7 @@ def _bounds(
         [
             not (flat or item.spread or item.in_carrier)
             for item in structure.objects
-            for axes, flat in zip(item.oscillators, item.flat, strict=True)
+            for axes, flat in [*zip(item.oscillators, item.flat, strict=True), *[((0,), True)] * item.driven]
             for _ in axes
         ],
         dtype=bool,

@@ -10,13 +10,15 @@ import numpy as np
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.path_deviation import recorded_freedom
 from nospill.motion.trajectory import SloshTrack, Trajectory
+from nospill.potential_flow import driven, rows_at, second_order_states
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import solve_joints
 from nospill.robots.kinematics.redundancy import self_motion
 from nospill.scene.scene import Scene
 from nospill.transcription.collocation import POINTS
-from nospill.transcription.layout import layout_of
+from nospill.transcription.export_samples import tray_samples
+from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.stages import Stages
 
 
@@ -56,6 +58,9 @@ def from_trajectory(
         table[:-1, layout.jerks.start + index] = np.diff(table[:, 3 * index + 2]) / interval
     table[:, layout.interval] = interval
     _fill_liquids(table, scene, trajectory.t, trajectory.slosh)
+    if any(item.driven for item in structure.objects):
+        count = 3 * layout.freedom.chains
+        _fill_driven(table, scene, trajectory, tray_samples(scene, np.hstack(chains)[:, :count]).body)
     further = (np.gradient(trajectory.joint_acceleration, trajectory.t, axis=0),)
     for order, part in enumerate((joints + further)[: layout.orders + 1]):
         table[:, layout.joint_derivative(order)] = at(part)
@@ -85,18 +90,44 @@ def _fill_liquids(table: np.ndarray, scene: Scene, t: np.ndarray, slosh: Mapping
     """Write the liquids of a scene into a table; a track may have more modes, the first ones are the scene's."""
     structure = structure_of(scene)
     layout = layout_of(structure)
+    for index, (cargo, columns) in enumerate(zip(scene.cargo, structure.slosh_slices, strict=True)):
+        track, count = slosh.get(cargo.name), structure.objects[index].linear_coordinates
+        columns = slice(columns.start, columns.start + count)
+        if track is not None and track.displacement.shape[1] >= count:
+            _fill(table, layout, columns, t, track.displacement[:, :count], track.velocity[:, :count])
+
+
+def _fill_driven(table: np.ndarray, scene: Scene, trajectory: Trajectory, body: np.ndarray) -> None:
+    """Write the modes of second order into a table, as what the modes of a trajectory drive, from rest.
+
+    `body` are rows (9, m) of the tray.
+    """
+    structure = structure_of(scene)
+    for cargo, item, columns in zip(scene.cargo, structure.objects, structure.slosh_slices, strict=True):
+        track, count, t = trajectory.slosh.get(cargo.name), item.linear_coordinates, trajectory.t
+        if not item.driven or track is None or track.displacement.shape[1] < count:
+            continue
+        liquid, own = driven(cargo), rows_at(body, cargo.place, cargo.yaw)
+        linear = track.displacement[:, :count], track.velocity[:, :count]
+        height = second_order_states(liquid, own, *linear, float(t[1] - t[0]))[:, 0]
+        swings = np.setdiff1d(np.arange(height.shape[1]), liquid.interactions.moved)
+        height = height[:, swings]
+        columns = slice(columns.start + count, columns.stop)
+        _fill(table, layout_of(structure), columns, t, height, np.gradient(height, t, axis=0))
+
+
+def _fill(
+    table: np.ndarray, layout: Layout, columns: slice, t: np.ndarray, displacement: np.ndarray, velocity: np.ndarray
+) -> None:
+    """Write slosh coordinates, some columns of them, into a table."""
     interval = table[0, layout.interval]
     times = interval * np.arange(len(table))
-    for cargo, columns in zip(scene.cargo, structure.slosh_slices, strict=True):
-        track, count = slosh.get(cargo.name), columns.stop - columns.start
-        if track is not None and track.displacement.shape[1] >= count:
-            velocity = track.velocity[:, :count]
-            table[:, layout.displacement][:, columns] = _at(times, t, track.displacement[:, :count])
-            table[:, layout.velocity][:, columns] = _at(times, t, velocity)
-            change = np.gradient(velocity, t, axis=0)
-            for point in range(2):
-                inside = np.minimum(times + POINTS[point] * interval, times[-1])
-                table[:, layout.acceleration(point)][:, columns] = _at(inside, t, change)
+    table[:, layout.displacement][:, columns] = _at(times, t, displacement)
+    table[:, layout.velocity][:, columns] = _at(times, t, velocity)
+    change = np.gradient(velocity, t, axis=0)
+    for point in range(2):
+        inside = np.minimum(times + POINTS[point] * interval, times[-1])
+        table[:, layout.acceleration(point)][:, columns] = _at(inside, t, change)
 
 
 def _at(times: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -1,0 +1,83 @@
+"""What the nonlinear flow leaves after the end of cups whose waves of second order are states of the problem.
+
+The optimiser stills the waves of its problem by their phase. What it cannot see are waves of the third order and above,
+which fall with smoothness and with lower waves. So where the flow leaves too much, the jerks weigh more, and for the
+last of it the row gets back-off. Offsets of the final state by what the flow has otherwise do not converge: a motion
+that stills waves by others is rougher, and the offsets grow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
+
+from nospill.certification.verdict import Row
+from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.residual_height import ResidualHeight
+
+FIRST_BACKOFF = 0.5
+"""Of the row on the final state: the optimiser has the root of the squares, the judge the flow's highest surface."""
+_FAR_OVER, _SMOOTH_ENOUGH = 6.0, 3.0
+"""Uses of a residual limit: from the first on waves are stilled by smoothness before they are states, to the second."""
+_OF_SMOOTH = 0.35
+"""Power of the weights of a smooth motion's jerks with which these states are begun; 4 to 20 times the usual ones."""
+_NEARLY, _SPENT = 1.2, 0.6
+"""Use of the limit up to which back-off is enough, and back-off from which more of it would not be."""
+_SHARE, _MOST_ROOM = 0.25, 0.75
+"""Part of what back-off leaves the waves of the problem that they lose at once beside that, and the most of it."""
+_FALLS, _LEAST, _MOST = 2.0, 1.5, 5.0
+"""The weights of the jerks rise with this power of the use, and by what at least and at most."""
+
+
+def as_carried(row: Row) -> Row:
+    """A row on the final state whose second order a problem has among its states: one like others; others as is."""
+    return replace(row, linear_value=None) if row.at_end else row
+
+
+def far_over(rows: Iterable[Row], driven: Collection[str]) -> bool:
+    """Whether some of these objects leave so much after the end that no solve with their waves as states gets there."""
+    return any(row.use > _FAR_OVER for row in _left(rows, driven))
+
+
+def smooth_enough(rows: Iterable[Row], driven: Collection[str]) -> bool:
+    """Whether a solve with the waves of these objects as states gets there from a smooth motion."""
+    return all(row.use <= _SMOOTH_ENOUGH for row in _left(rows, driven))
+
+
+def first_jerk_weight(factor: float) -> float:
+    """Factor on the weights of the jerks of the first problem with these states, from that of a smooth motion."""
+    return max(factor**_OF_SMOOTH, 1.0)
+
+
+def steadier(factor: float, rows: Iterable[Row], driven: Collection[str], backoff: Mapping[RowId, float]) -> float:
+    """Factor on the weights of the jerks for the next problem; the same where back-off is enough.
+
+    Args:
+        factor: of the last problem.
+        rows: as judged by the flow, by the names of the members.
+        driven: members whose waves are states.
+        backoff: of every row of the problem.
+    """
+    found = factor
+    for row in _left(rows, driven):
+        use = (row.size + row.shortfall) / row.size
+        if use > _NEARLY or (use > 1.0 and backoff.get(row.id, 0.0) > _SPENT):
+            found = max(found, factor * min(max(use**_FALLS, _LEAST), _MOST))
+    return found
+
+
+def steadier_backoff(
+    rows: Iterable[Row], driven: Collection[str], backoff: Mapping[RowId, float]
+) -> dict[RowId, float]:
+    """Back-off of every row with which the jerks then weigh more: of the rows that are over, a part of what they had.
+
+    Arguments as of `steadier`.
+    """
+    raised = dict(backoff)
+    for row in {row.id for row in _left(rows, driven) if row.shortfall > 0.0} & backoff.keys():
+        raised[row] = max(backoff[row], min(backoff[row] + _SHARE * (1.0 - backoff[row]), _MOST_ROOM))
+    return raised
+
+
+def _left(rows: Iterable[Row], driven: Collection[str]) -> Iterable[Row]:
+    return (row for row in rows if row.constraint == ResidualHeight.name and row.subject in driven)

@@ -1,0 +1,89 @@
+"""Heights after the end by the nonlinear flow, as the judge has them, against the flow that goes on after the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.flow_left import Left, left_by_flow
+from nospill.certification.second_order import heights_after
+from nospill.errors import ScenarioError
+from nospill.motion.at_speed import at_speed
+from nospill.potential_flow import crests_along, flow_terms, rows_at
+from nospill.scenario import read_scenario
+from nospill.scene.cargo import Cargo
+from nospill.scene.heights import ResidualOrder, by_nonlinear_flow
+from nospill.scene.scene import Scene
+from nospill.scene.swing import Swing
+from tests.waters import cup, tub
+
+_RESIDUAL = "residual height"
+
+
+@pytest.fixture(scope="module")
+def judged(smooth_motion: Callable) -> tuple[Scene, Judgement, Judgement]:
+    """The scene, and a smooth motion judged to the second order and by the flow."""
+    scene, slow = read_scenario("mixed-tray"), at_speed(smooth_motion("mixed-tray").trajectory, 0.8)
+    second, whole = (scene.changed({"motion.residual_height": order}) for order in ("second order", "nonlinear"))
+    return whole, judge_motion(slow, second), judge_motion(slow, whole)
+
+
+def test_what_is_left_is_what_the_flow_leaves(judged: tuple[Scene, Judgement, Judgement]) -> None:
+    scene, _, judgement = judged
+    played, cargo = judgement.replay, next(item for item in scene.cargo if item.name == "cup")
+    rest = np.concatenate([np.zeros(6), played.tray.rotation[-1].T @ np.array([0.0, 0.0, scene.gravity])])
+
+    def rows(t: np.ndarray) -> np.ndarray:
+        body = np.stack([np.interp(t, played.t, row) for row in played.body])
+        body[:, t > played.t[-1]] = rest[:, None]
+        return rows_at(body, cargo.place, cargo.yaw)
+
+    flow = crests_along(cargo, rows, float(played.t[0]), float(played.t[-1]), after=1.0)
+    left = left_by_flow(scene, played, -1)["cup"]
+    within = np.max(left.crests(np.linspace(0.0, 1.0, 201)))
+    assert within == pytest.approx(flow.after_end(flow.full), rel=0.05)
+    (row,) = [row for row in judgement.certificate.rows if row.id == (_RESIDUAL, "cup")]
+    assert row.worst_value == pytest.approx(left.highest, rel=1e-9) and within <= row.worst_value
+    course = heights_after(scene, played, np.linspace(0.0, 1.0, 201))["cup"]
+    assert np.max(course) == pytest.approx(within)
+
+
+def test_boxes_and_heights_during_the_motion_stay_of_second_order(judged: tuple[Scene, Judgement, Judgement]) -> None:
+    _, second, whole = judged
+    before = {row.id: row for row in second.certificate.rows}
+    changed = {row.id for row in whole.certificate.rows if row != before[row.id]}
+    assert changed == {(_RESIDUAL, "cup"), (_RESIDUAL, "mug")}
+    for row in (row for row in whole.certificate.rows if row.id in changed):
+        assert row.linear_value == before[row.id].linear_value and row.limit == before[row.id].limit
+
+
+def test_it_is_known_of_upright_cups_from_rest() -> None:
+    def followed(cargo: Cargo, residual: ResidualOrder = "nonlinear") -> bool:
+        return by_nonlinear_flow(cargo, "second order", residual)
+
+    own = cup()
+    assert own.filling is not None
+    assert followed(own) and not followed(own, "second order") and not followed(tub())
+    assert not followed(replace(own, speed=0.5))
+    assert not followed(replace(own, filling=replace(own.filling, frequency_factor=1.01)))
+    swing = Swing(displacement=((0.001, 0.0),), velocity=((0.0, 0.0),))
+    assert not followed(replace(own, filling=replace(own.filling, initial_swing=swing)))
+
+
+def test_a_flow_that_breaks_down_is_as_high_as_none_is(judged: tuple[Scene, Judgement, Judgement]) -> None:
+    cargo, count = cup(), 40
+    basin = flow_terms(cargo).basin
+    left = Left(cargo, basin, np.full((2, len(basin.damping)), np.nan), np.zeros(count), np.zeros(count))
+    assert left.highest == pytest.approx(0.035, rel=1e-3)
+    scene, _, judgement = judged
+    stop = replace(scene, motion=replace(scene.motion, stop=True))
+    assert left_by_flow(stop, judgement.replay, -1) == {}
+
+
+def test_it_is_refused_where_slosh_heights_are_linear(judged: tuple[Scene, Judgement, Judgement]) -> None:
+    with pytest.raises(ScenarioError, match='residual_height = "nonlinear" is stated where slosh heights are linear'):
+        judged[0].changed({"motion.slosh_height": "linear"})

@@ -1,0 +1,62 @@
+"""The nonlinear flow of several liquids at once, against each followed by itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nospill.potential_flow import flow_terms, rows_at, states_at_end
+from nospill.potential_flow.solving import whole_flow
+from nospill.scene.cargo import Cargo
+from tests.waters import STILL, cup, tub
+
+_T = np.linspace(0.0, 0.5, 501)
+
+
+def _moved(size: float) -> np.ndarray:
+    """(9, m) a move sideways with a turn and a lean, from rest to rest, with a largest acceleration of `size` m/s^2."""
+    shape = np.where(_T < 0.4, np.sin(np.pi * _T / 0.4), 0.0)
+    body = np.tile(STILL[:, None], (1, len(_T)))
+    body[6], body[2], body[0] = size * np.sin(2 * np.pi * _T / 0.4) * (_T < 0.4), 2.0 * shape**2, 0.3 * shape**2
+    body[5], body[3] = np.gradient(body[2], _T), np.gradient(body[0], _T)
+    return body
+
+
+def _alone(cargo: Cargo, body: np.ndarray, count: int = 240) -> np.ndarray:
+    terms = flow_terms(cargo)
+    t = np.linspace(0.0, _T[-1], 2 * count + 1)
+    rows = np.stack([np.interp(t, _T, row) for row in body])
+    own = rows_at(rows_at(rows, cargo.place, cargo.yaw), np.array([0.0, 0.0, terms.basin.depth]))
+    return whole_flow(terms, np.zeros((2, len(terms.stiffness))), own, t[2])[-1]
+
+
+def test_each_is_as_if_followed_alone() -> None:
+    near, far = cup(), replace(cup(), position=(0.1, 0.05), yaw=0.5)
+    objects, body = [near, tub(), far], _moved(0.5)
+    found = states_at_end(objects, _T, body)
+    for cargo, state in zip(objects, found, strict=True):
+        expected = _alone(cargo, body)
+        np.testing.assert_allclose(state[0], expected[0], atol=0.02 * np.max(np.abs(expected[0])))
+    assert np.max(np.abs(found[0] - found[2])) > 1e-4
+
+
+def test_one_that_breaks_down_leaves_the_others() -> None:
+    calm, far = cup(), replace(cup(), position=(3.0, 0.0))
+    body = _moved(0.5)
+    body[2] *= 4.0
+    body[5] *= 4.0
+    together, alone = states_at_end([calm, far], _T, body), states_at_end([calm], _T, body)
+    assert np.all(np.isnan(together[1]))
+    np.testing.assert_allclose(together[0], alone[0], atol=1e-12)
+
+
+def test_without_liquids_there_is_nothing() -> None:
+    assert states_at_end([], _T, _moved(1.0)) == []
+
+
+def test_terms_are_kept_for_like_liquids() -> None:
+    assert flow_terms(cup()) is flow_terms(replace(cup(), position=(0.1, 0.0)))
+    assert flow_terms(cup()) is not flow_terms(cup(liquid_height=0.03))
+    assert len(flow_terms(cup()).stiffness) == pytest.approx(28)
