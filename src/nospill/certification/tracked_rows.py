@@ -82,7 +82,7 @@ class Followed:
     def of_run(cls, run: Run, scene: Scene, rows: Sequence[Row]) -> Followed:
         """A run of a scene, with its reserves."""
         near = tuple(row for row in rows if row.constraint == Clearance.name and row.worst_margin < _NEAR)
-        alone = of_joints_alone(replace(scene, cargo=hull_objects(scene)))
+        alone = of_joints_alone(_without_flow(replace(scene, cargo=hull_objects(scene))))
         return cls(alone, run.record, run.motion or run.record.motion, near, _freeboards(alone, rows))
 
     @property
@@ -189,7 +189,7 @@ def without_reserve(replay: Replay, scene: Scene, rows: Sequence[Row]) -> dict[R
         scene: with its reserves.
         rows: of the certificate of that replay, for the pairs of bodies that are near.
     """
-    bare = of_joints_alone(replace(scene, cargo=tuple(map(_without_reserves, scene.cargo))))
+    bare = of_joints_alone(_without_flow(replace(scene, cargo=tuple(map(_without_reserves, scene.cargo)))))
     record = Trajectory.of_joints(
         replay.t, scene.robot.joints, replay.joint_position, replay.joint_speed, replay.joint_acceleration
     )
@@ -198,6 +198,16 @@ def without_reserve(replay: Replay, scene: Scene, rows: Sequence[Row]) -> dict[R
     found = {row: float(np.max(use)) for row, use in uses if use is not None}
     near = [row for row in rows if row.constraint == Clearance.name]
     return found | {row.id: float(limit_use(row.known, 0.0, row.worst_value - min(row.limit, 0.0))) for row in near}
+
+
+def _without_flow(scene: Scene) -> Scene:
+    """The scene with heights after the end of second order where it has those of the nonlinear flow.
+
+    Many replays are looked at for what happens first, and what is left after the end seldom does.
+    """
+    if scene.motion.residual_height != "nonlinear":
+        return scene
+    return replace(scene, motion=replace(scene.motion, residual_height="second order"))
 
 
 def _without_reserves(item: Cargo) -> Cargo:

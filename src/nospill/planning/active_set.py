@@ -279,7 +279,8 @@ class ActiveSet:
         heavier = max(increased_jerk_weight(self.jerk_weight_factor, over), smooth.jerk_weight_factor)
         by_flow = steadier(self.jerk_weight_factor, self._on_members(rows), driven, self.backoff)
         if by_flow > heavier:
-            return self._steadier(by_flow, list(self._on_members(rows)), slack)
+            raised = steadier_backoff(self._on_members(rows), driven, self.backoff)
+            return replace(self, jerk_weight_factor=by_flow, backoff=raised)
         if heavier > self.jerk_weight_factor:
             return replace(smooth, jerk_weight_factor=heavier)
         outside = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
@@ -303,13 +304,6 @@ class ActiveSet:
             crests=crests_of(broken, self.backoff),
             everywhere=self.everywhere | touching,
         )
-
-    def _steadier(self, factor: float, rows: list[Row], slack: Mapping[RowId, float]) -> ActiveSet:
-        """The set with jerks that weigh more, what the flow asks for at the end, and crests as they are."""
-        crests = [row for row in self._within_ranges(rows) if row.shortfall > 0.0 and not row.at_end]
-        raised = steadier_backoff(rows, self._driven, self.backoff)
-        backoff, joining = tightened(crests, self.rows, raised, slack, self.crests)
-        return replace(self, jerk_weight_factor=factor, backoff=backoff, rows=self.rows | joining)
 
     @property
     def _driven(self) -> frozenset[str]:

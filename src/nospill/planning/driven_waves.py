@@ -19,13 +19,13 @@ FIRST_BACKOFF = 0.5
 """Of the row on the final state: the optimiser has the root of the squares, the judge the flow's highest surface."""
 _FAR_OVER, _SMOOTH_ENOUGH = 6.0, 3.0
 """Uses of a residual limit: from the first on waves are stilled by smoothness before they are states, to the second."""
-_OF_SMOOTH = 0.35
-"""Power of the weights of a smooth motion's jerks with which these states are begun; 4 to 20 times the usual ones."""
-_NEARLY, _SPENT = 1.2, 0.6
+_OF_SMOOTH = 0.42
+"""Power of the weights of a smooth motion's jerks with which these states are begun; 10 to 40 times the usual ones."""
+_NEARLY, _SPENT = 1.2, 0.7
 """Use of the limit up to which back-off is enough, and back-off from which more of it would not be."""
 _SHARE, _MOST_ROOM = 0.25, 0.75
 """Part of what back-off leaves the waves of the problem that they lose at once beside that, and the most of it."""
-_FALLS, _LEAST, _MOST = 2.0, 1.5, 5.0
+_FALLS, _LEAST, _MOST = 2.0, 1.25, 5.0
 """The weights of the jerks rise with this power of the use, and by what at least and at most."""
 
 

@@ -15,8 +15,8 @@ from nospill.potential_flow.solving import flow_ends
 from nospill.scene.cargo import Cargo
 
 _STEP_ANGLE = 0.4
-"""Largest step, rad of the fastest mode: what is left is within 1 % of that with a third of it; with 0.5 and more, flows
-of a third of the radius break down that are none to break."""
+"""Largest step, rad of the fastest mode: what is left is within 1 % of that with a third of it. With 0.5 and more some
+flows of a third of the radius break down that do not with smaller steps."""
 
 
 def flow_terms(cargo: Cargo) -> LinearTerms:
