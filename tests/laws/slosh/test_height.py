@@ -52,6 +52,7 @@ def liquid(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Object
         static_correction=modes.static_correction,
         yaw_correction=np.zeros(0),
         added_gravity=np.zeros(0),
+        driven=np.zeros(0),
         oscillators=tuple(
             OscillatorNumbers(*[getattr(mode, field.name) for field in FIELDS]) for mode in modes.oscillators
         ),
