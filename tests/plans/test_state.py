@@ -95,6 +95,29 @@ def test_a_motion_is_planned_from_a_state_and_saved_with_it(before: Plan, state:
     assert state.arm.s < stop.trajectory.s[-1] <= 1.0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("example", "t"), [("matrix-liquid", 1.8), ("pp-two-cups", 0.748)])
+def test_a_motion_to_the_same_end_is_never_longer_than_what_is_left(
+    example: str, t: float, example_plan: Callable[[str], Plan]
+) -> None:
+    """Also where solves from the state lead nowhere, as just before the end, or to another optimum, as amid a swing."""
+    plan = example_plan(example)
+    on = ns.plan(plan.scene, start=plan.state_at(t))
+    assert on.certificate.ok and on.duration <= 1.001 * (plan.duration - t)
+    if on.duration == pytest.approx(plan.duration - t, abs=1e-9):
+        assert any("what is left" in sentence for sentence in on.report.fallbacks)
+
+
+@pytest.mark.slow
+def test_a_stop_is_planned_where_back_off_for_all_instants_would_leave_none(
+    example_plan: Callable[[str], Plan],
+) -> None:
+    plan = example_plan("matrix-liquid")
+    state = plan.state_at(1.122)
+    stop = ns.plan(plan.scene, start=state, stop=True)
+    assert stop.certificate.ok and stop.duration < 0.99 * (plan.duration - state.t)
+
+
 def changed(state: MotionState, **values: Any) -> MotionState:
     return replace(state, arm=replace(state.arm, **values))
 

@@ -6,6 +6,7 @@ from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log
 from nospill.transcription.resampling import fine_intervals
 
+REST_INSTEAD = "no faster motion from this state was certified: what is left of the motion before was taken"
 _COARSER = 0.75
 """Part of the intervals of the fine grid; the coarse grid and the one halfway have less, and rounding takes few."""
 

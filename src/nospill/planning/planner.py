@@ -25,7 +25,7 @@ from nospill.path_search.end_yaws import choose_end_yaws, end_yaws_text, free_en
 from nospill.path_search.free_path import fastest_clear_path, paths_along
 from nospill.path_search.standing import advised_free_paths, require_standing_room
 from nospill.planning.candidate import Candidate
-from nospill.planning.fallbacks import fallbacks, on_path_instead
+from nospill.planning.fallbacks import REST_INSTEAD, fallbacks, on_path_instead
 from nospill.planning.first_order import duration_change
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
@@ -34,7 +34,7 @@ from nospill.planning.request import begun_in, earlier_plan, ignored_constraints
 from nospill.planning.search import PassageSearch, Search, find_motion, passage_searches, searcher
 from nospill.planning.task import Task
 from nospill.planning.tracking_margins import require_band
-from nospill.planning.warm_start import going_on, restart, restart_on_branch, start_off_path
+from nospill.planning.warm_start import going_on, restart, restart_on_branch, start_off_path, what_is_left
 from nospill.planning.widest_range import range_reached
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
@@ -46,6 +46,9 @@ from nospill.transcription.sensitivity import savings
 
 _NOT_CONVERGED = "no solve from the motion before converged"
 _NOT_CERTIFIED = "not certified from the motion before"
+_AS_LONG, _SHORT = 1.001, 0.25
+"""Ratio to what is left of a motion up to which one that goes on from it counts as no longer; s, of which hardly any
+stop is sooner, and none is looked for from afar."""
 
 
 def plan(
@@ -126,8 +129,12 @@ def _plan(
             scene = fastest_clear_path(open_scene)
     diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
     task = Task.of(scene, ignore)
-    judged, instead = _first_certified(_offers(task, warm, rest, last, log), log)
+    left = None if warm is not None or rest is None else what_is_left(task, rest, log)
+    judged, instead = _first_certified(_offers(task, warm, rest, last, left, log), log)
+    if left is not None and judged.trajectory.end_time > _AS_LONG * left.trajectory.end_time:
+        judged, instead = left, REST_INSTEAD
     require_band(scene, judged.judgement, ended=log.out_of_time)
+    reached = range_reached(judged.trajectory, judged.judgement, task)
     report = log.report(
         judged.candidate.solution.status,
         backoff=judged.candidate.active.increased(),
@@ -136,7 +143,7 @@ def _plan(
         base_yaw=base_yaw_text(scene) if base_is_free else None,
         end_yaws=end_yaws_text(scene, free) if free else None,
         blocked_way=blocked_direct_way(open_scene, scene),
-        fallbacks=fallbacks(judged.candidate, log, instead, range_reached(judged.trajectory, judged.judgement, task)),
+        fallbacks=(instead,) if instead == REST_INSTEAD else fallbacks(judged.candidate, log, instead, reached),
         warm=warm is not None and not log.not_warm,
     )
     planned = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)
@@ -149,9 +156,16 @@ def _plan(
 
 
 def _offers(
-    task: Task, warm: Plan | None, rest: Trajectory | None, last: Candidate | None, log: Log
+    task: Task,
+    warm: Plan | None,
+    rest: Trajectory | None,
+    last: Candidate | None,
+    left: Judged | None,
+    log: Log,
 ) -> Iterator[Candidate | Judged | NoSolutionError]:
     """Motions on the fine grid, each for when the one before is not certified; raises what `plan` does.
+
+    Of a motion that goes on from a state `left` is what is left of the one before, where that is certified.
 
     Where the tray may leave its path, errors of searches are among them, and last is the motion on the path itself,
     which is judged already.
@@ -167,6 +181,8 @@ def _offers(
         yield candidate
         if log.out_of_time:
             return
+    if left is not None and (not scene.motion.stop or left.trajectory.end_time < _SHORT):
+        yield left
     with log.phase("kinematics"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, task.ignored), log)):
         paths = advised_free_paths(scene, paths_along(scene))
     state = scene.initial_state
@@ -182,6 +198,10 @@ def _offers(
     searches = passage_searches(task, joint_path)
     if scene.motion.leaves_path:
         yield from _off_path(task, joint_path, searches, log)
+        return
+    if left is not None:  # a stop may be sooner than that
+        yield _find_or_explain(searches, log, PassageSearch.first)
+        yield left
         return
     yield find_motion(searches, log)
     if not log.out_of_time:
@@ -241,7 +261,8 @@ def _first_certified(offers: Iterator[Candidate | Judged | NoSolutionError], log
                 why = why or str(error)
                 continue
             if one.judgement.certificate.ok:
-                return one, on_path_instead(why) if one is offer else ""
+                instead = REST_INSTEAD if one.trajectory.in_motion else on_path_instead(why)
+                return one, instead if one is offer else ""
             judged.append(one)
             why = why or finding(one.judgement.certificate)
             if one.candidate.active.task.ignored or one.candidate.active.margins:

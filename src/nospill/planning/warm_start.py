@@ -77,6 +77,20 @@ def going_on(task: Task, rest: Trajectory, log: Log) -> Candidate | None:
     return _solve_again(active, start_from(active, rest, log), log, warm=None)
 
 
+def what_is_left(task: Task, rest: Trajectory, log: Log) -> Judged | None:
+    """What is left of the motion that this one goes on from, with the problem about it; None where it is not certified.
+
+    A motion to the same end that is certified needs no search from afar, should the solve from it lead nowhere.
+    """
+    with log.phase("certify"):
+        judgement = judge(rest, task.scene)
+    if not judgement.certificate.ok:
+        return None
+    active = ActiveSet.of(task, rest.joint_position)
+    candidate = solved(active, start_from(active, rest, log), log, {"max_iterations": 0})
+    return Judged(candidate, rest, judgement)
+
+
 def start_off_path(task: Task, given: Judged, log: Log) -> Candidate | None:
     """Solve from a motion on the path, where the tray may leave it; None where that does not converge."""
     before = given.candidate.active

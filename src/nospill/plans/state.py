@@ -14,6 +14,9 @@ from nospill.scene.initial_state import InitialState
 from nospill.scene.scene import Scene
 from nospill.scene.swing import Swing
 
+STOP_INTERVALS = 25
+"""Of the grid of a stop; where liquids are in the problem with several modes, which are faster, there are more."""
+
 
 @dataclass(frozen=True, slots=True)
 class MotionState:
@@ -73,7 +76,7 @@ def beginning_in(scene: Scene, state: MotionState, *, stop: bool = False) -> Sce
         scene: of the motion. Objects that the state does not know have liquids at rest.
         state: of a plan on the same path, with the same objects.
         stop: whether the motion may come to rest anywhere on the path; weights of smoothness, which would hold it back,
-            are left out then.
+            are left out then, and the grid is that of stops.
 
     Raises:
         ScenarioError: the joints are off the path, a liquid stands above its limit, or the scene states what does not
@@ -84,8 +87,9 @@ def beginning_in(scene: Scene, state: MotionState, *, stop: bool = False) -> Sce
         f"cargo.{name}.initial_swing": swing_table(swing) for name, swing in state.swings.items() if name in known
     }
     arm = {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(state.arm).items()}
-    rest = dict.fromkeys(("planning.path_jerk_weight", "planning.tilt_jerk_weight")) | {"motion.stop": True}
-    return scene.changed({"initial_state": arm, **swings, **(rest if stop else {})})
+    weights = dict.fromkeys(("planning.path_jerk_weight", "planning.tilt_jerk_weight"))
+    halting = {**weights, "planning.intervals": STOP_INTERVALS, "motion.stop": True}
+    return scene.changed({"initial_state": arm, **swings, **(halting if stop else {})})
 
 
 def require_known_state(scene: Scene) -> None:

@@ -30,7 +30,7 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
 from nospill.planning.task import Task
 from nospill.plans.plan import Plan
-from nospill.plans.state import MotionState
+from nospill.plans.state import STOP_INTERVALS, MotionState
 from nospill.plans.stops import NO_BOUND, Stop
 from nospill.robots.joint_paths.search import JointPath, path_through
 from nospill.scene.scene import Scene
@@ -44,8 +44,6 @@ from nospill.transcription.solvers.solution import Solution
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import motion_to_rest
 
-INTERVALS = 25
-"""Of the grid; where liquids are in the problem with several modes, which are faster."""
 _PARTS = (0.5, 1.0, 0.3)
 """Of what is left of the plan: durations of the smooth motions from which a stop is looked for from afar."""
 _TIGHTENED = 16
@@ -180,7 +178,7 @@ def _from_afar(scene: Scene, state: MotionState, joint_path: JointPath, left: fl
     task = Task.of(scene)
     model = _first(task, state).scene
     for part in _PARTS:
-        yield motion_to_rest(model, state.arm, joint_path, INTERVALS, part * left)
+        yield motion_to_rest(model, state.arm, joint_path, STOP_INTERVALS, part * left)
 
 
 def _first(task: Task, state: MotionState) -> ActiveSet:

@@ -40,9 +40,10 @@ _DRIVEN = 0.3
 _SELF_MOTION_JERK = 1000.0
 """Bound on the third derivative of a seven-joint arm's free parameter, rad/s^3."""
 
-_EARLY, _AT_THE_LIMIT = 2, 0.02
-"""Intervals after a state in motion whose rows are wider by this part of a budget: the motion before may stand on its
-limits there, where the back-off of its own rows is not kept between its nodes. The judge looks there too."""
+_EARLY, _EASED, _AT_THE_LIMIT = 2, 0.1, 0.02
+"""Least intervals, and part of a motion from a state in motion, in which rows are wider by this part of a budget: the
+motion before may stand on its limits there, and back-off that later instants need would leave no motion that goes on
+from it. The judge looks there too."""
 
 Backoff = Mapping[RowId, float]
 """Row -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
@@ -198,7 +199,8 @@ def build_problem(
     if scene.initial_state is not None:
         given, first = _given_places(scene, transcription)
         row_lower, row_upper = row_lower.copy(), row_upper.copy()
-        early = given[None] + transcription.rows_per_stage * np.arange(_EARLY)[:, None]
+        eased = max(_EARLY, int(_EASED * intervals))
+        early = given[None] + transcription.rows_per_stage * np.arange(eased)[:, None]
         row_lower[early] -= _AT_THE_LIMIT
         row_upper[early] += _AT_THE_LIMIT
         row_lower[given[first]], row_upper[given[first]] = -np.inf, np.inf
