@@ -49,6 +49,20 @@ def test_a_bumped_liquid_comes_below_its_limit_and_rises_no_higher(plan: Plan) -
     assert height[t > found.until + 2e-3].max() <= limit * (1.0 + 1e-6)
 
 
+def test_a_liquid_that_cannot_be_stilled_on_what_is_left_of_the_path_swings_on(plan: Plan) -> None:
+    """With a tenth of a second left no stop calms a wave twice as high as allowed; least excess, and said to go on."""
+    state = plan.state_at(plan.duration - 0.1)
+    ((name, _),) = state.swings.items()
+    limit, gain = plan.scene.cargo[0].filling.max_slosh_height, plan.scene.cargo[0].oscillators[0].surface_gain  # type: ignore[union-attr]
+    crest = 1.9 * limit
+    found = ns.recover(plan, replace(state, swings={name: Swing(((crest / gain, 0.0),), ((0.0, 0.0),))}))
+    assert crest - limit - 1e-6 <= found.excess[name] <= 1.1 * crest - limit
+    assert found.until == float("inf") and found.text.endswith("also while it swings on after the end")
+    assert {row.constraint for row in found.certificate.rows if not row.ok} == {"slosh height", "residual height"}
+    rim = plan.scene.cargo[0].container.height - plan.scene.cargo[0].filling.liquid_height  # type: ignore[union-attr]
+    assert (limit + found.excess[name] > rim) == (found.spilled == (name,))
+
+
 def test_what_stands_above_the_rim_has_been_spilled(plan: Plan) -> None:
     with pytest.raises(ScenarioError, match="rim of its cup"):
         ns.recover(plan, _bumped(plan, 0.06))

@@ -2,19 +2,21 @@
 
 No motion keeps that limit; so it is widened by what is needed, and no more: first the least factor on the heights of
 all liquids with which a certified stop is found, by halving, then the fastest stop with that factor. What swings on
-after it keeps the limit as it was stated.
+after it keeps the limit as it was stated; where the path that is left is too short to still the liquid by so much, it
+swings on above it too, and is said to.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nospill.certification.after_end import free_heights
-from nospill.certification.certificate import Judgement, judge_motion
-from nospill.certification.verdict import Certificate
+from nospill.certification.certificate import judge_motion
+from nospill.certification.verdict import Certificate, Row
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
@@ -37,23 +39,31 @@ class Recovery:
 
     Attributes:
         stop: the motion.
-        certificate: its verdict by the limits as stated; heights on the way are the only rows that fail.
+        certificate: its verdict by the limits as stated; heights are the only rows that fail.
         excess: m above `max_slosh_height` at most, by object; of those that are above it.
-        until: s from its beginning, when the last liquid is below its limit for good.
+        until: s from its beginning, when the last liquid is below its limit for good; infinite where one swings on
+            above it after the end.
+        spilled: names of those whose liquid rises over the rim.
     """
 
     stop: Stop
     certificate: Certificate
     excess: Mapping[str, float]
     until: float
+    spilled: tuple[str, ...] = ()
 
     @property
     def text(self) -> str:
         """What it does, in words: "recovering: c1 2.1 mm too high, until 0.312 s"."""
         if not self.excess:
             return "certified"
-        worst = ", ".join(f"{name} {1e3 * over:.1f} mm too high" for name, over in sorted(self.excess.items()))
-        return f"recovering: {worst}, until {self.until:.3f} s"
+        worst = ", ".join(
+            f"{name} {1e3 * over:.1f} mm too high" + (" and over the rim" if name in self.spilled else "")
+            for name, over in sorted(self.excess.items())
+        )
+        return f"recovering: {worst}, " + (
+            f"until {self.until:.3f} s" if math.isfinite(self.until) else "also while it swings on after the end"
+        )
 
 
 def recover(plan: Plan, state: MotionState, *, residual: float = 1.0) -> Recovery:
@@ -70,24 +80,65 @@ def recover(plan: Plan, state: MotionState, *, residual: float = 1.0) -> Recover
         NoSolutionError: no stop was found within three times the height of the state.
     """
     scene, joint_path = stopping_scene(plan.scene, state, residual), joint_path_of(plan)
-    high = _above(scene)
-    needed, left = max(high.values(), default=1.0), plan.duration - state.t
-    first = needed * _FIRST if high else 1.0
-    low, wide = needed, first
-    found = _within(scene, high, wide, state, joint_path, left)
-    while found is None:
-        low, wide = wide, wide * _WIDER
-        if wide > needed * _WIDEST:
-            raise NoSolutionError(
-                f"{plan.scene.name}: no stop from {state.t:g} s was found whose liquids stay below {low:.2g} times "
-                "their max_slosh_height"
-            )
-        found = _within(scene, high, wide, state, joint_path, left)
-    while wide > max(low * _NEAR, first):
-        middle = float(np.sqrt(low * wide))
-        other = _within(scene, high, middle, state, joint_path, left)
-        low, wide, found = (middle, wide, found) if other is None else (low, middle, other)
-    return _told(found.stop, judge_motion(found.stop.trajectory, scene))
+    high, left = _above(scene), plan.duration - state.t
+    for calmer in (True, False) if high else (True,):
+        search = _Search(scene, high, state, joint_path, left, calmer)
+        found = search.least()
+        if found is not None:
+            return _told(found.stop, scene)
+    raise NoSolutionError(
+        f"{plan.scene.name}: no stop from {state.t:g} s was found whose liquids stay below "
+        f"{_WIDEST * max(high.values(), default=1.0):.2g} times their max_slosh_height"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Search:
+    """For the least factor on the limits of those liquids that are high, on all where none is.
+
+    Attributes:
+        scene: of the stop.
+        high: crest over its limit, by object.
+        state: from which it begins.
+        joint_path: the arm's way along the path.
+        left: s, that it may take.
+        calmer: whether what swings on keeps the limit as stated.
+    """
+
+    scene: Scene
+    high: Mapping[str, float]
+    state: MotionState
+    joint_path: JointPath
+    left: float
+    calmer: bool
+
+    def least(self) -> Found | None:
+        """The stop with the least factor; None where none is found."""
+        needed = max(self.high.values(), default=1.0)
+        first = needed * _FIRST if self.high else 1.0
+        low, wide, found = needed, first, self._within(first)
+        while found is None:
+            low, wide = wide, wide * _WIDER
+            if wide > needed * _WIDEST:
+                return None
+            found = self._within(wide)
+        while wide > max(low * _NEAR, first):
+            middle = float(np.sqrt(low * wide))
+            other = self._within(middle)
+            low, wide, found = (middle, wide, found) if other is None else (low, middle, other)
+        return found
+
+    def _within(self, factor: float) -> Found | None:
+        """The fastest stop that was found with a factor."""
+        cargo = tuple(
+            replace(item, filling=replace(item.filling, max_slosh_height=factor * item.filling.max_slosh_height))
+            if item.filling is not None and (item.name in self.high or not self.high)
+            else item
+            for item in self.scene.cargo
+        )
+        part = self.scene.motion.residual_fraction / (factor if self.calmer else 1.0)
+        scene = replace(self.scene, cargo=cargo, motion=replace(self.scene.motion, residual_fraction=part))
+        return found_from_afar(scene, self.state, self.joint_path, self.left)
 
 
 def _above(scene: Scene) -> dict[str, float]:
@@ -115,26 +166,25 @@ def _above(scene: Scene) -> dict[str, float]:
     return above
 
 
-def _within(
-    scene: Scene, high: Mapping[str, float], factor: float, state: MotionState, joint_path: JointPath, left: float
-) -> Found | None:
-    """The fastest stop that was found with wider limits on those liquids that are high, on all where none is."""
-    cargo = tuple(
-        replace(item, filling=replace(item.filling, max_slosh_height=factor * item.filling.max_slosh_height))
-        if item.filling is not None and (item.name in high or not high)
-        else item
-        for item in scene.cargo
-    )
-    calmer = replace(scene.motion, residual_fraction=scene.motion.residual_fraction / factor)
-    return found_from_afar(replace(scene, cargo=cargo, motion=calmer), state, joint_path, left)
-
-
-def _told(stop: Stop, judgement: Judgement) -> Recovery:
-    rows = [row for row in judgement.certificate.rows if not row.ok and row.constraint == SloshHeight.name]
+def _told(stop: Stop, scene: Scene) -> Recovery:
+    """A stop with its verdict by the limits of a scene."""
+    judgement = judge_motion(stop.trajectory, scene)
+    rows = [row for row in judgement.certificate.rows if not row.ok and row.of_liquid]
     late = [trace.t[trace.use > 1.0] for trace in judgement.traces if trace.constraint == SloshHeight.name]
+    highest: dict[str, Row] = {}
+    for row in rows:
+        if row.subject not in highest or row.worst_value > highest[row.subject].worst_value:
+            highest[row.subject] = row
+    rims = {
+        item.name: item.container.height - item.filling.liquid_height
+        for item in scene.cargo
+        if item.filling is not None and not item.filling.lid
+    }
+    swings_on = any(row.at_end for row in rows)
     return Recovery(
         stop=stop,
         certificate=judgement.certificate,
-        excess={row.subject: row.worst_value - row.limit for row in rows},
-        until=float(max((t[-1] for t in late if len(t)), default=0.0)),
+        excess={name: row.worst_value - row.limit for name, row in highest.items()},
+        until=math.inf if swings_on else float(max((t[-1] for t in late if len(t)), default=0.0)),
+        spilled=tuple(name for name, row in highest.items() if row.worst_value > rims.get(name, math.inf)),
     )
