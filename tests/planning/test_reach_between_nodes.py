@@ -20,7 +20,8 @@ from tests.builders import joint_path_of
 def candidate(name: str) -> Any:
     stages = SimpleNamespace(name=name, duration=1.0, intervals=10)
     scene = SimpleNamespace(motion=SimpleNamespace(speed_range=None))
-    return SimpleNamespace(stages=stages, active=SimpleNamespace(task=SimpleNamespace(scene=scene)))
+    task = SimpleNamespace(scene=scene, judged_scene=lambda _: scene)
+    return SimpleNamespace(stages=stages, active=SimpleNamespace(task=task, refined=frozenset()))
 
 
 @pytest.mark.parametrize("bounded", [True, False], ids=["solved with it bounded", "not solved"])
@@ -38,7 +39,7 @@ def test_a_motion_out_of_reach_is_solved_again_once(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(refinement, "exported", exported)
     monkeypatch.setattr(refinement, "_off_singularities", off_singularities)
-    monkeypatch.setattr(refinement, "judge_motion", lambda *_: SimpleNamespace(replay=None, traces=None))
+    monkeypatch.setattr(refinement, "judge_motion", lambda *_: SimpleNamespace(replay=None, traces=None, leaves_margin=False))
     monkeypatch.setattr(refinement, "judged_tracks", lambda *_: ())
     monkeypatch.setattr(refinement, "replace", lambda item, **_: item)
     monkeypatch.setattr(refinement.diagnosis, "not_playable", lambda *_: NoSolutionError("cannot be played"))

@@ -261,8 +261,9 @@ def _first_certified(offers: Iterator[Candidate | Judged | NoSolutionError], log
                 why = why or str(error)
                 continue
             if one.judgement.certificate.ok:
-                instead = REST_INSTEAD if one.trajectory.in_motion else on_path_instead(why)
-                return one, instead if one is offer else ""
+                if one is not offer:
+                    return one, ""
+                return one, REST_INSTEAD if one.trajectory.in_motion else on_path_instead(why)
             judged.append(one)
             why = why or finding(one.judgement.certificate)
             if one.candidate.active.task.ignored or one.candidate.active.margins:

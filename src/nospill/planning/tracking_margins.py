@@ -28,7 +28,7 @@ _MOST, _MOST_AT_END = 0.8, 0.75
 """Part of a budget that is kept at most."""
 _AIM = 0.985
 """Use of a height after the end that the weights of the jerks are to lead to."""
-_FALLS, _LEAST_FALL, _MOST_FALL = 0.4, 0.25, 0.8
+_FALLS, _LEAST_FALL, _MOST_FALL = 0.4, 0.08, 0.8
 """Power with which that use falls as the weights rise: from the first motion; least and most that two motions show."""
 _ROUGH, _AT_FIRST, _FIRST = 1.5, 4.0, 20.0
 """Use of the first motion from which they rise before any margins, power of it by which they do, and at most."""
