@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from nospill.certification.height_order import height_note, height_orders
+from nospill.certification.height_order import flow_note, height_note, height_orders
 from nospill.certification.second_order import waves_along
 from nospill.errors import ModelError, ScenarioError
 from nospill.plans.swings import swing_table
@@ -75,6 +75,15 @@ def test_what_is_linear_is_said_with_its_reason(name: str, changes: dict[str, ob
     assert linear == {
         item.name for item in scene.cargo if item.filling and not to_second_order(item, scene.motion.slosh_height)
     }
+
+
+def test_whose_residual_heights_the_nonlinear_flow_judges_is_said() -> None:
+    scene = read_scenario("mixed-tray")
+    asked = {"motion.residual_height": "nonlinear"}
+    assert flow_note(scene) == ""
+    assert flow_note(scene.changed(asked)).endswith("nonlinear flow: cup, mug; others as their slosh heights")
+    swinging = dict.fromkeys(("cargo.cup.initial_swing", "cargo.mug.initial_swing"), _SWING)
+    assert "of no liquid" in flow_note(scene.changed({**asked, **swinging}))
 
 
 def test_where_it_is_stated_a_swing_of_the_first_order_is_refused() -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
-from nospill.scene.heights import linear_since, to_second_order
+from nospill.scene.heights import by_nonlinear_flow, linear_since, to_second_order
 from nospill.scene.scene import Scene
 
 SECOND = "second order"
@@ -40,6 +41,23 @@ def height_note(scene: Scene) -> str:
         if order != SECOND:
             alike.setdefault(order, []).append(titles[name])
     return "; ".join(f"{SloshHeight.name}{_of(names, len(orders))}: {order}" for order, names in alike.items())
+
+
+def flow_note(scene: Scene) -> str:
+    """Whose heights after the end are judged by the nonlinear flow, where the scenario asks for it; empty elsewhere.
+
+    "residual height by the nonlinear flow: cup, mug; others as their slosh heights".
+    """
+    rules = scene.motion
+    if scene.fidelity != "full" or rules.residual_height != "nonlinear":
+        return ""
+    found = [] if rules.stop else [c for c in scene.cargo if by_nonlinear_flow(c, rules.slosh_height, "nonlinear")]
+    if not found:
+        return f"{ResidualHeight.name}: of no liquid by the nonlinear flow, which is of upright cups that begin at rest"
+    names, liquids = [item.title for item in found], height_orders(scene)
+    others = "; others as their slosh heights" if len(found) < len(liquids) else ""
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return f"{ResidualHeight.name} by the nonlinear flow: {', '.join(names[:_NAMED])}{more}{others}"
 
 
 def height_sentence(scene: Scene) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nospill.certification.height_order import height_note
+from nospill.certification.height_order import flow_note, height_note
 from nospill.certification.rims import rim_distances, rim_line
 from nospill.certification.verdict import Certificate
 from nospill.certification.wording import (
@@ -72,7 +72,10 @@ def certificate_table(certificate: Certificate, scene: Scene, *, everything: boo
 def certificate_notes(certificate: Certificate, scene: Scene, *, everything: bool = False) -> list[str]:
     """The sentences below the table: checks of the file, self-collision, rims, and what the full model sees."""
     rims = rim_line(rim_distances(scene, certificate.rows))
-    heights, note = (linear_heights_line(certificate.rows), height_note(scene)), full_model_note(certificate)
+    heights, note = (
+        (linear_heights_line(certificate.rows), height_note(scene), flow_note(scene)),
+        full_model_note(certificate),
+    )
     return [
         *([integrity_line(certificate)] if not everything and certificate.record_rows() else []),
         *([certificate.self_collision.text] if certificate.self_collision is not None else []),

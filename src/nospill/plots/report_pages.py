@@ -10,7 +10,7 @@ import matplotlib
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from nospill.certification.height_order import height_note
+from nospill.certification.height_order import flow_note, height_note
 from nospill.certification.wording import full_model_note, verdict_line
 from nospill.plots.evidence import Evidence
 from nospill.plots.figures import REPORT_FIGURES
@@ -74,7 +74,7 @@ def _heading(evidence: Evidence) -> Figure:
     """Name, verdict in a box, headline figures."""
     scene, certificate = evidence.plan.scene, evidence.judgement.certificate
     said = textwrap.wrap("; ".join(filter(None, (evidence.limiting_text, evidence.plan.savings_text))), 95)
-    notes = full_model_note(certificate), height_note(scene)
+    notes = full_model_note(certificate), height_note(scene), flow_note(scene)
     beyond = [line for note in notes for line in textwrap.wrap(note[:1].upper() + note[1:], 144)]
     below = 0.9 + _LINE * max(len(said) - 2, 0)
     foot = max(0.98, below + _LINE * len(beyond) + 0.02)
