@@ -77,3 +77,16 @@ def frequency_of(t: np.ndarray, values: np.ndarray) -> float:
     falls = np.flatnonzero((values[:-1] > 0.0) & (values[1:] <= 0.0))
     times = t[falls] + (t[falls + 1] - t[falls]) * values[falls] / (values[falls] - values[falls + 1])
     return float(2 * np.pi * (len(times) - 1) / (times[-1] - times[0]))
+
+
+def pushed_and_turned(turn: float, lean: float, step: float, count: int) -> np.ndarray:
+    """Rows (9, 2 count + 1) of a motion, two for each step, s: pushed to and fro, turned, leaned, from rest to rest."""
+    t = step / 2 * np.arange(2 * count + 1)
+    part = np.clip(t / 0.6, 0.0, 1.0)
+    shape, rate = np.sin(np.pi * part) ** 2, np.pi / 0.6 * np.sin(2 * np.pi * part)
+    rows = np.zeros((9, len(t)))
+    rows[6], rows[7] = 1.2 * np.sin(2 * np.pi * t / 0.3) * shape, 0.7 * np.sin(2 * np.pi * t / 0.2) * shape
+    rows[8] = STANDARD_GRAVITY + 1.5 * np.sin(2 * np.pi * t / 0.25) * shape
+    rows[0], rows[3] = lean * shape, lean * rate
+    rows[2], rows[5] = turn * shape, turn * rate
+    return rows

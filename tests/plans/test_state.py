@@ -109,6 +109,13 @@ def test_a_motion_to_the_same_end_is_never_longer_than_what_is_left(
 
 
 @pytest.mark.slow
+def test_a_stated_duration_is_kept_though_what_is_left_is_shorter(example_plan: Callable[[str], Plan]) -> None:
+    plan = example_plan("pp-two-cups")
+    on = ns.plan(plan.scene.changed({"motion.duration": "1.2 s"}), start=plan.state_at(1.2))
+    assert on.certificate.ok and on.duration == pytest.approx(1.2, abs=1e-6) and plan.duration - 1.2 < 0.7
+
+
+@pytest.mark.slow
 def test_a_stop_is_planned_where_back_off_for_all_instants_would_leave_none(
     example_plan: Callable[[str], Plan],
 ) -> None:

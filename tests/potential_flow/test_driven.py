@@ -11,23 +11,10 @@ from nospill.potential_flow.orders import first_order, second_order_sources
 from nospill.potential_flow.solving import two_orders
 from nospill.scene.cargo import Cargo
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
-from tests.waters import cup, tub
+from tests.waters import cup, pushed_and_turned, tub
 
 _STEP = 1e-3
 _COUNT = 900
-
-
-def _rows(turn: float, lean: float) -> np.ndarray:
-    """(9, 2 m + 1) about the rest surface: pushed to and fro, turned and leaned, from rest and to rest."""
-    t = _STEP / 2 * np.arange(2 * _COUNT + 1)
-    moves = np.clip(t / 0.6, 0.0, 1.0)
-    shape, rate = np.sin(np.pi * moves) ** 2, np.pi / 0.6 * np.sin(2 * np.pi * moves)
-    rows = np.zeros((9, len(t)))
-    rows[6], rows[7] = 1.2 * np.sin(2 * np.pi * t / 0.3) * shape, 0.7 * np.sin(2 * np.pi * t / 0.2) * shape
-    rows[8] = STANDARD_GRAVITY + 1.5 * np.sin(2 * np.pi * t / 0.25) * shape
-    rows[0], rows[3] = lean * shape, lean * rate
-    rows[2], rows[5] = turn * shape, turn * rate
-    return rows
 
 
 def _both(cargo: Cargo, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -44,21 +31,21 @@ def _both(cargo: Cargo, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize(("turn", "lean"), [(0.0, 0.0), (4.0, 0.0), (4.0, 0.8)])
 def test_in_a_cup_it_is_that_of_both_orders_together(turn: float, lean: float) -> None:
-    expected, found = _both(cup(), _rows(turn, lean))
+    expected, found = _both(cup(), pushed_and_turned(turn, lean, _STEP, _COUNT))
     largest = np.max(np.abs(expected))
     assert largest > 2e-4
     np.testing.assert_allclose(found, expected, atol=0.01 * largest)
 
 
 def test_in_a_box_that_does_not_turn_too() -> None:
-    expected, found = _both(tub(), _rows(0.0, 0.8))
+    expected, found = _both(tub(), pushed_and_turned(0.0, 0.8, _STEP, _COUNT))
     largest = np.max(np.abs(expected))
     assert largest > 2e-4
     np.testing.assert_allclose(found, expected, atol=0.015 * largest)
 
 
 def test_twice_the_waves_drive_four_times_the_heights() -> None:
-    rows = _rows(3.0, 0.0)
+    rows = pushed_and_turned(3.0, 0.0, _STEP, _COUNT)
     liquid = driven(cup())
     swing = np.random.default_rng(1).normal(size=(liquid.gains.shape[1], 2)) * 1e-3
     t = _STEP * np.arange(_COUNT + 1)
@@ -71,7 +58,7 @@ def test_twice_the_waves_drive_four_times_the_heights() -> None:
 
 @pytest.mark.parametrize("cargo", [cup(), tub()])
 def test_what_begins_in_a_state_goes_on_as_it_did(cargo: Cargo) -> None:
-    liquid, rows = driven(cargo), _rows(3.0, 0.8)[:, ::2]
+    liquid, rows = driven(cargo), pushed_and_turned(3.0, 0.8, _STEP, _COUNT)[:, ::2]
     swing = np.random.default_rng(2).normal(size=liquid.gains.shape[1]) * 1e-3
     t = _STEP * np.arange(_COUNT + 1)
     q, qd = np.sin(25 * t)[:, None] * swing, 25 * np.cos(25 * t)[:, None] * swing

@@ -129,7 +129,8 @@ def _plan(
             scene = fastest_clear_path(open_scene)
     diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
     task = Task.of(scene, ignore)
-    left = None if warm is not None or rest is None else what_is_left(task, rest, log)
+    compared = warm is None and scene.motion.duration is None and not task.ignored
+    left = what_is_left(task, rest, log) if rest is not None and compared else None
     judged, instead = _first_certified(_offers(task, warm, rest, last, left, log), log)
     if left is not None and judged.trajectory.end_time > _AS_LONG * left.trajectory.end_time:
         judged, instead = left, REST_INSTEAD

@@ -21,7 +21,7 @@ from nospill.potential_flow.solving import two_orders
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
-from tests.waters import cup
+from tests.waters import cup, pushed_and_turned
 
 _STEP, _COUNT = 1e-3, 700
 _SX = ca.SX
@@ -55,19 +55,6 @@ def _functions(cargo: Cargo) -> tuple[ca.Function, ca.Function]:
     )
 
 
-def _moved(turn: float, lean: float) -> np.ndarray:
-    """(9, 2 m + 1) about the bottom: pushed, turned and leaned, from rest and to rest."""
-    t = _STEP / 2 * np.arange(2 * _COUNT + 1)
-    part = np.clip(t / 0.6, 0.0, 1.0)
-    shape, rate = np.sin(np.pi * part) ** 2, np.pi / 0.6 * np.sin(2 * np.pi * part)
-    rows = np.zeros((9, len(t)))
-    rows[6], rows[7] = 1.2 * np.sin(2 * np.pi * t / 0.3) * shape, 0.7 * np.sin(2 * np.pi * t / 0.2) * shape
-    rows[8] = STANDARD_GRAVITY + 1.5 * np.sin(2 * np.pi * t / 0.25) * shape
-    rows[0], rows[3] = lean * shape, lean * rate
-    rows[2], rows[5] = turn * shape, turn * rate
-    return rows
-
-
 def _both_orders(cargo: Cargo, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Displacements and velocities (m + 1, k) of the masses, and states (m + 1, 2, J) of second order, in one flow."""
     liquid = driven(cargo)
@@ -80,7 +67,7 @@ def _both_orders(cargo: Cargo, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 @pytest.mark.parametrize(("turn", "lean"), [(0.0, 0.0), (4.0, 0.0), (4.0, 0.8)])
 def test_their_equations_are_those_of_both_orders_together(turn: float, lean: float) -> None:
-    cargo, rows = _carrying(cup()), _moved(turn, lean)
+    cargo, rows = _carrying(cup()), pushed_and_turned(turn, lean, _STEP, _COUNT)
     q, qd, second = _both_orders(cargo, rows)
     (accelerations, squares), at, count = _functions(cargo), rows[:, ::2], driven_count()
     every = accelerations.map(len(q))
