@@ -24,6 +24,7 @@ def _leaning(roll: float, **motion: Any) -> Scene:
     table = copy.deepcopy(ACROSS)
     table["robot"] |= {"base_roll": f"{roll} deg", "limits_applied": "all"}
     table["motion"] |= {"tilt": "fixed", **motion}
+    table["planning"] = {"intervals": 40}
     return scene_from_table(table, name="leaning")
 
 

@@ -208,7 +208,7 @@ def small(**tables: Any) -> dict[str, Any]:
         "tray": {"size": ["300 mm", "300 mm"], "friction": 0.4, "mass": "0.5 kg", "offset": "50 mm"},
         "path": {"type": "line", "start": [0.6, -0.25, 0.5], "end": [0.6, 0.25, 0.5], "yaw": ["0 deg", "60 deg"]},
         "motion": {"end": "residual", "residual_fraction": 0.8},
-        "planning": {"intervals": 25},
+        "planning": {"intervals": 20},
         "cargo": [cup],
     } | tables
 

@@ -27,7 +27,7 @@ from nospill.transcription.margins_along import Margin
 from tests.builders import one_mode
 
 FEW, COARSE = "planning.intervals=50", "planning.intervals=30"
-BAND = ("tolerance.tracking.delay=3 ms", "tolerance.tracking.lag=2 ms", FEW)
+BAND = ("tolerance.tracking.delay=3 ms", "tolerance.tracking.lag=2 ms", COARSE)
 
 
 def _two_solids(*settings: str) -> Scene:
@@ -37,7 +37,7 @@ def _two_solids(*settings: str) -> Scene:
 
 @pytest.mark.slow
 def test_no_drawn_arm_breaks_a_plan_made_for_them() -> None:
-    cups = one_mode("coffee-to-go", FEW)
+    cups = one_mode("coffee-to-go", COARSE)
     one = cups.changed({"cargo": cups.source["cargo"][:1]})
     planned, stated = plan(one.changed({"tolerance.tracking": {"delay": "3 ms", "lag": "2 ms"}})), plan(one)
     assert planned.certificate.ok

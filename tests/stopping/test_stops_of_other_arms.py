@@ -31,7 +31,7 @@ CUP_ON_SEVEN_JOINTS = {
     ],
     "path": {"type": "line", "start": [0.5, -0.3, 0.4], "end": [0.5, 0.3, 0.4], "yaw": [0.0, 0.0]},
     "motion": {"tilt": "fixed"},
-    "planning": {"intervals": 30},
+    "planning": {"intervals": 20},
 }
 
 

@@ -20,6 +20,7 @@ from distributed import LocalCluster
 import nospill
 from nospill.compiled.entries import current_files
 from nospill.errors import ClusterError, MissingExtraError
+from nospill.scenario import load
 from nospill.sweeps import cluster_set_up
 from nospill.sweeps.definition import define_sweep
 from nospill.sweeps.executors import cluster
@@ -55,7 +56,7 @@ def test_the_lines_of_a_cluster_are_those_of_one_process_though_a_worker_dies(
 ) -> None:
     address, workers = started
     axes = {"tray.friction": [0.45, 0.5], "motion.tilt": ["fixed", "free"]}
-    definition = define_sweep("matrix-rigid", axes, again_cold=1)
+    definition = define_sweep(load("matrix-rigid").changed({"planning.intervals": 25}), axes, again_cold=1)
 
     def kill_one(report: SweepProgress) -> None:
         if report.done and workers[0].poll() is None:

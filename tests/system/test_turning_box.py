@@ -77,7 +77,7 @@ def test_a_fast_turn_is_refused_for_what_its_water_does() -> None:
 
 @pytest.mark.slow
 def test_a_planned_turn_keeps_its_water_in_its_limits() -> None:
-    found = plan(spot(6))
+    found = plan(spot(6).changed({"planning.intervals": 40}))
     assert found.certificate.ok
     assert found.duration == pytest.approx(0.89, abs=0.03)
     scene = spot(20)  # a motion with corners in its jerk leaves modes swinging that six do not have

@@ -132,19 +132,25 @@ def evaluate(function: Any, columns: list[np.ndarray], shared: np.ndarray) -> np
         (outputs, m), in Fortran order.
     """
     count = columns[0].shape[1]
-    at_once = columns_at_once(function, [len(columns)])
+    at_once, outputs = _batch_sizes(function)
     chunk = min(_CHUNK, -(-count // at_once) * at_once)
     mapped = _map_function(function, chunk)
     whole = -(-count // chunk) * chunk
     inputs = [_pad_rows(_columns(column), whole) for column in columns]
     parameters = _columns(shared)
-    result = np.empty((whole, function.size1_out(0)))
+    result = np.empty((whole, outputs))
     buffer, evaluate_now = mapped.buffer()
     for first in range(0, whole, chunk):
         part = slice(first, first + chunk)
         _connect(mapped, buffer, [*(input[part] for input in inputs), parameters], result[part])
         evaluate_now()
     return result[:count].T
+
+
+@lru_cache(maxsize=256)
+def _batch_sizes(function: Any) -> tuple[int, int]:
+    """How many samples a function takes at once, and how many numbers it gives for each."""
+    return columns_at_once(function, [function.n_in() - 1]), function.size1_out(0)
 
 
 def _pad_rows(samples: np.ndarray, count: int) -> np.ndarray:

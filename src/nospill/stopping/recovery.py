@@ -27,8 +27,8 @@ from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
 from nospill.stopping.solving import Found, found_from_afar, joint_path_of, stopping_scene
 
-_FIRST, _WIDER, _WIDEST = 1.01, 1.2, 3.0
-"""Factors beyond that of the state: the first that is tried, from one to the next, and the last."""
+_FIRST, _WIDEST = 1.01, 3.0
+"""Factors beyond that of the state: the first that is tried, and the widest."""
 _NEAR = 1.02
 """Ratio of two factors that are as good as one."""
 
@@ -115,14 +115,13 @@ class _Search:
     def least(self) -> Found | None:
         """The stop with the least factor; None where none is found."""
         needed = max(self.high.values(), default=1.0)
-        first = needed * _FIRST if self.high else 1.0
-        low, wide, found = needed, first, self._within(first)
-        while found is None:
-            low, wide = wide, wide * _WIDER
-            if wide > needed * _WIDEST:
-                return None
-            found = self._within(wide)
-        while wide > max(low * _NEAR, first):
+        low = needed * _FIRST if self.high else 1.0
+        found = self._within(low)
+        if found is not None:
+            return found
+        wide = needed * _WIDEST
+        found = self._within(wide)  # before all between: where even this fails, each of them takes every start's time
+        while found is not None and wide > low * _NEAR:
             middle = float(np.sqrt(low * wide))
             other = self._within(middle)
             low, wide, found = (middle, wide, found) if other is None else (low, middle, other)
