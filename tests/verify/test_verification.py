@@ -28,7 +28,7 @@ from tests.builders import with_few_speeds
 
 def gentle(smooth_motion: Callable[..., Any], cups: int) -> Plan:
     """A gentle motion with some cups, made without a solver."""
-    made = smooth_motion("matrix-liquid", cargo=cups, stretch=1.3)
+    made = smooth_motion("matrix-liquid", cargo=cups, stretch=1.0)
     judgement = judge(made.trajectory, made.scene)
     report = PlanningReport.empty()
     plan = Plan(made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report)

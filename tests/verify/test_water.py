@@ -23,7 +23,7 @@ from tests.builders import with_few_speeds
 @pytest.fixture(scope="module")
 def plan(smooth_motion: Callable[..., Any]) -> Plan:
     """A gentle motion with two cups, made without a solver."""
-    made = smooth_motion("matrix-liquid", cargo=2, stretch=1.3)
+    made = smooth_motion("matrix-liquid", cargo=2, stretch=1.0)
     judgement = judge(made.trajectory, made.scene)
     report = PlanningReport.empty()
     motion = Plan(made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report)
