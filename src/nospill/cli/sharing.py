@@ -11,6 +11,7 @@ import typer
 from nospill.cli.progress import ProgressLine
 from nospill.cli.reporting import sibling_file
 from nospill.cli.run_options import assigned, read_run
+from nospill.core.files import require_writable
 from nospill.errors import ScenarioError
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
@@ -92,7 +93,8 @@ def report_place(folder: Path, output: Path | None = None) -> Path:
     """Where the page of a plan folder goes: the file named, or DIR.report.html beside the folder.
 
     Raises:
-        ScenarioError: the file would lie in the plan folder, or has another ending.
+        ScenarioError: the file would lie in the plan folder, or has another ending. PlanFolderError: it cannot be
+            written there.
     """
     if output is None:
         return sibling_file(folder, ".report.html")
@@ -114,3 +116,4 @@ def _require_outside(folder: Path, file: Path, ending: str) -> None:
         raise ScenarioError(f"{file}: the name must end in {ending}")
     if folder.resolve() in file.resolve().parents:
         raise ScenarioError(f"{file}: a plan folder holds nothing but the plan; name a file outside of {folder}")
+    require_writable(file)

@@ -34,6 +34,20 @@ Replaceable = Callable[[set[str]], bool]
 """Judges by the names in a folder that is not empty whether it may be thrown away."""
 
 
+def require_writable(path: Path) -> None:
+    """Check, before any long work and without writing, that `atomic_file` may write a file.
+
+    Raises:
+        PlanFolderError: there is no folder for it, it is a folder itself, or nothing may be written there.
+    """
+    if not path.parent.is_dir():
+        raise PlanFolderError(f"cannot write {path}: there is no folder {path.parent}; make it first")
+    if path.is_dir():
+        raise PlanFolderError(f"cannot write {path}: it is a folder; name a file")
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        raise PlanFolderError(f"cannot write {path}: no permission to write in {path.parent}; name another place")
+
+
 def require_replaceable(target: str | Path, *, replaceable: Replaceable) -> Path:
     """Check, before any long work and without writing, that `atomic_folder` may write `target`.
 

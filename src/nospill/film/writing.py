@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from nospill.core.files import atomic_file
+from nospill.core.files import atomic_file, require_writable
 from nospill.drawing.props import Placed, SceneBuilder
 from nospill.drawing.timeline import Film
 from nospill.drawing.views import CLOSE, View, camera_frame, viewpoint
-from nospill.errors import MissingExtraError, PlanFolderError, ScenarioError
+from nospill.errors import MissingExtraError, ScenarioError
 from nospill.film.overlay import caption, write_over
 from nospill.film.picture import draw
 
@@ -82,12 +82,7 @@ def require_film(path: Path) -> None:
     """
     if path.suffix.lower() not in SUFFIXES:
         raise ScenarioError(f"{path}: a film ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}; name it so")
-    if not path.parent.is_dir():
-        raise PlanFolderError(f"cannot write {path}: there is no folder {path.parent}; make it first")
-    if path.is_dir():
-        raise PlanFolderError(f"cannot write {path}: it is a folder; name a file")
-    if not os.access(path.parent, os.W_OK | os.X_OK):
-        raise PlanFolderError(f"cannot write {path}: no permission to write in {path.parent}; name another place")
+    require_writable(path)
     if path.suffix.lower() == ".mp4":
         _imageio()
 
