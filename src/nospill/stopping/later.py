@@ -15,7 +15,8 @@ from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState
 from nospill.plans.stops import Stop
-from nospill.stopping.solving import judged_stop, stopping_scene
+from nospill.stopping.physics import stays
+from nospill.stopping.solving import judged_stop, stopping_scene, swinging_on
 
 _WORTH = 2e-3
 """s; by so much it has to be sooner."""
@@ -34,8 +35,9 @@ def sooner_by_waiting(plan: Plan, state: MotionState, own: Stop, following: Stop
     if following.origin == "rest of the plan" or following.t - own.t + following.duration > own.duration - _WORTH:
         return own
     record = _joined(state.rest, following.trajectory, following.t - own.t)
-    judged = judged_stop(record, stopping_scene(plan.scene, state, residual))
-    if judged is None or not judged[1].certificate.ok:
+    scene = stopping_scene(plan.scene, state, residual)
+    judged = judged_stop(record, scene)
+    if judged is None or not judged[1].certificate.ok or not stays(judged[0], swinging_on(scene)):
         return own
     record, judgement = judged
     return replace(

@@ -7,6 +7,8 @@ from smooth motions to rest of several durations: liquids have an optimum in eac
 A stop is in a hurry: weights that a scenario states for the smoothness of its motion are left out, under which stops of
 `matrix-liquid` took half as long again. Its liquids need not be calm, they may swing on below `max_slosh_height`; so
 what they do to their cups is judged for a while after the end too.
+
+A stop by published equations whose objects would not stay by the whole physics is solved by that, from afar.
 """
 
 from __future__ import annotations
@@ -33,8 +35,9 @@ from nospill.plans.plan import Plan
 from nospill.plans.state import STOP_INTERVALS, MotionState
 from nospill.plans.stops import NO_BOUND, Stop
 from nospill.robots.joint_paths.search import JointPath, path_through
-from nospill.scene.scene import Scene
+from nospill.scene.scene import Fidelity, Scene
 from nospill.stopping.bounds import bound_of
+from nospill.stopping.physics import stays
 from nospill.stopping.tightening import broken, faded, tightened
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.margins_along import Margin
@@ -63,12 +66,21 @@ _SOONER = 0.99
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A certified stop with what the next one is solved from."""
+    """A certified stop with what the next one is solved from.
+
+    Attributes:
+        stop: the motion.
+        solution: of its problem, with back-off and margins.
+        fidelity: of that problem.
+        stays: whether its objects stay by the whole physics.
+    """
 
     stop: Stop
     solution: Solution
     backoff: dict[RowId, float] = field(repr=False)
     margins: dict[RowId, Margin] = field(repr=False)
+    fidelity: Fidelity
+    stays: bool
 
 
 def stop_from(
@@ -137,11 +149,24 @@ def stopping_scene(scene: Scene, state: MotionState, residual: float = 1.0) -> S
 def found_from_afar(scene: Scene, state: MotionState, joint_path: JointPath, left: float) -> Found | None:
     """The first certified stop that is found from smooth motions, at most as long as `left`, s; None where none is.
 
-    Where two of them lead to the same motion before anything is tightened, the second one is left out: what follows
+    Where objects stay in none of those that the equations of the scene give, it is solved by the whole physics.
+    """
+    found = _from_smooth_motions(scene, scene.fidelity, state, joint_path, left)
+    if found is not None and not found.stays:
+        found = _from_smooth_motions(scene, "full", state, joint_path, left)
+    return found if found is not None and found.stays else None
+
+
+def _from_smooth_motions(
+    scene: Scene, fidelity: Fidelity, state: MotionState, joint_path: JointPath, left: float
+) -> Found | None:
+    """The first certified stop whose objects stay, by problems of some fidelity; where none is the last certified one.
+
+    Where two smooth motions lead to the same one before anything is tightened, the second one is left out: what follows
     from it would be the same.
     """
-    task, known = Task.of(scene), list[float]()
-    for start in _from_afar(scene, state, joint_path, left):
+    task, known, last = Task.of(replace(scene, fidelity=fidelity)), list[float](), None
+    for start in _from_afar(task, state, joint_path, left):
         active = _first(task, state)
         first = _solved(active, start, None)
         duration = first.stages.duration
@@ -149,17 +174,19 @@ def found_from_afar(scene: Scene, state: MotionState, joint_path: JointPath, lef
             continue
         known.append(duration)
         found = _certified(scene, state, active, first, left)
-        if found is not None:
+        if found is not None and found.stays:
             return found
-    return None
+        last = found or last
+    return last
 
 
 def _following(scene: Scene, state: MotionState, before: Found, left: float) -> Found | None:
-    """The certified stop that is found from another one; None where none is."""
-    active = _first(Task.of(scene), state).with_backoff(before.backoff)
+    """The certified stop that is found from another one, by the same equations; None where none is."""
+    active = _first(Task.of(replace(scene, fidelity=before.fidelity)), state).with_backoff(before.backoff)
     active = replace(active, margins=faded(before.margins))
     solution = _solved(active, before.solution.stages, before.solution)
-    return _certified(scene, state, active, solution, left)
+    found = _certified(scene, state, active, solution, left)
+    return found if found is not None and found.stays else None
 
 
 def joint_path_of(plan: Plan) -> JointPath:
@@ -174,8 +201,7 @@ def joint_path_of(plan: Plan) -> JointPath:
     return path_through(paths, 0.0, plan.trajectory.joint_position[0])
 
 
-def _from_afar(scene: Scene, state: MotionState, joint_path: JointPath, left: float) -> Iterator[Stages]:
-    task = Task.of(scene)
+def _from_afar(task: Task, state: MotionState, joint_path: JointPath, left: float) -> Iterator[Stages]:
     model = _first(task, state).scene
     for part in _PARTS:
         yield motion_to_rest(model, state.arm, joint_path, STOP_INTERVALS, part * left)
@@ -209,7 +235,7 @@ def _certified(scene: Scene, state: MotionState, active: ActiveSet, solution: So
     Args:
         scene: of the stop.
         state: from which it begins.
-        active: of the problem that is answered.
+        active: of the problem that is answered, by the equations of the scene or by the whole physics.
         solution: its answer.
         left: s, that it may take at most.
     """
@@ -232,7 +258,10 @@ def _certified(scene: Scene, state: MotionState, active: ActiveSet, solution: So
                 seconds=0.0,
                 bound=NO_BOUND,
             )
-            return Found(stop, solution, dict(active.backoff), dict(active.margins))
+            whole = stays(record, swinging_on(scene))
+            return Found(
+                stop, solution, dict(active.backoff), dict(active.margins), fidelity=active.scene.fidelity, stays=whole
+            )
         tighter = tightened(active, broken(active, judgement), judgement)
         if tighter is active:
             return None
@@ -255,7 +284,12 @@ def judged_stop(record: Trajectory, scene: Scene) -> tuple[Trajectory, Judgement
     Every limit is judged while the arm stands after the end too: liquids may swing on.
     """
     try:
-        judgement = judge_motion(record, replace(scene, motion=replace(scene.motion, hold_after=_SWINGS_ON)))
+        judgement = judge_motion(record, swinging_on(scene))
     except (ModelError, np.linalg.LinAlgError):
         return None
     return replace(record, slosh=judged_tracks(record, scene, judgement.replay, judgement.traces)), judgement
+
+
+def swinging_on(scene: Scene) -> Scene:
+    """The scene with the time after the end in which liquids are looked at."""
+    return replace(scene, motion=replace(scene.motion, hold_after=_SWINGS_ON))
