@@ -3,7 +3,7 @@
 No motion keeps that limit; so it is widened by what is needed, and no more: first the least factor on the heights of
 all liquids with which a certified stop is found, by halving, then the fastest stop with that factor. What swings on
 after it keeps the limit as it was stated; where the path that is left is too short to still the liquid by so much, it
-swings on above it too, and is said to.
+swings on above it too, and is followed until it has fallen below.
 """
 
 from __future__ import annotations
@@ -14,12 +14,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.certification.after_end import free_heights
-from nospill.certification.certificate import judge_motion
+from nospill.certification.after_end import free_heights, residual_height
+from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.replay import Replay
 from nospill.certification.verdict import Certificate, Row
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
+from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState
 from nospill.plans.stops import Stop
@@ -29,6 +31,10 @@ from nospill.stopping.solving import Found, found_from_afar, joint_path_of, stop
 
 _FIRST, _WIDEST = 1.01, 3.0
 """Factors beyond that of the state: the first that is tried, and the widest."""
+_FOLLOWED = (2.0, 8.0, 32.0)
+"""s after the end, for which liquids are followed: longer where one is not below its limit for good by then."""
+HORIZON = _FOLLOWED[-1]
+"""s after the end."""
 _NEAR = 1.02
 """Ratio of two factors that are as good as one."""
 
@@ -41,8 +47,8 @@ class Recovery:
         stop: the motion.
         certificate: its verdict by the limits as stated; heights are the only rows that fail.
         excess: m above `max_slosh_height` at most, by object; of those that are above it.
-        until: s from its beginning, when the last liquid is below its limit for good; infinite where one swings on
-            above it after the end.
+        until: s from its beginning, when the last liquid is below its limit for good, also after the arm stands;
+            infinite where one is not within `HORIZON` after the end.
         spilled: names of those whose liquid rises over the rim.
     """
 
@@ -61,9 +67,11 @@ class Recovery:
             f"{name} {1e3 * over:.1f} mm too high" + (" and over the rim" if name in self.spilled else "")
             for name, over in sorted(self.excess.items())
         )
-        return f"recovering: {worst}, " + (
-            f"until {self.until:.3f} s" if math.isfinite(self.until) else "also while it swings on after the end"
-        )
+        if not math.isfinite(self.until):
+            return f"recovering: {worst}, also {HORIZON:g} s after the arm stands"
+        after = self.until - self.stop.duration
+        stands = f", {after:.3f} s after the arm stands" if after > 0.0 else ""
+        return f"recovering: {worst}, until {self.until:.3f} s{stands}"
 
 
 def recover(plan: Plan, state: MotionState, *, residual: float = 1.0) -> Recovery:
@@ -169,7 +177,6 @@ def _told(stop: Stop, scene: Scene) -> Recovery:
     """A stop with its verdict by the limits of a scene."""
     judgement = judge_motion(stop.trajectory, scene)
     rows = [row for row in judgement.certificate.rows if not row.ok and row.of_liquid]
-    late = [trace.t[trace.use > 1.0] for trace in judgement.traces if trace.constraint == SloshHeight.name]
     highest: dict[str, Row] = {}
     for row in rows:
         if row.subject not in highest or row.worst_value > highest[row.subject].worst_value:
@@ -179,11 +186,41 @@ def _told(stop: Stop, scene: Scene) -> Recovery:
         for item in scene.cargo
         if item.filling is not None and not item.filling.lid
     }
-    swings_on = any(row.at_end for row in rows)
     return Recovery(
         stop=stop,
         certificate=judgement.certificate,
         excess={name: row.worst_value - row.limit for name, row in highest.items()},
-        until=math.inf if swings_on else float(max((t[-1] for t in late if len(t)), default=0.0)),
+        until=_until(stop.trajectory, scene) if any(row.at_end for row in rows) else _last_above(judgement),
         spilled=tuple(name for name, row in highest.items() if row.worst_value > rims.get(name, math.inf)),
+    )
+
+
+def _last_above(judgement: Judgement) -> float:
+    """The last instant at which a liquid is above its limit, s; 0 where none is."""
+    late = [trace.t[trace.use > 1.0] for trace in judgement.traces if trace.constraint == SloshHeight.name]
+    return float(max((t[-1] for t in late if len(t)), default=0.0))
+
+
+def _until(record: Trajectory, scene: Scene) -> float:
+    """The same with what swings on after the end: until no liquid rises above its limit again, infinite where one may.
+
+    Heights are those of the judge while the arm stands; what is left then is bounded for all time by its modes.
+    """
+    for wait in _FOLLOWED:
+        judgement = judge_motion(record, replace(scene, motion=replace(scene.motion, hold_after=wait)))
+        if _calm(judgement.replay, scene):
+            return _last_above(judgement)
+    return math.inf
+
+
+def _calm(played: Replay, scene: Scene) -> bool:
+    """Whether every liquid stays below its limit from the end of a replay on."""
+    structure, numbers = structure_of(scene), numbers_of(scene)
+    q, qd = played.slosh_displacement[-1], played.slosh_velocity[-1]
+    return all(
+        residual_height(item, own, q[part], qd[part], cargo.filling.max_slosh_height) <= cargo.filling.max_slosh_height
+        for cargo, item, own, part in zip(
+            scene.cargo, structure.objects, numbers.objects, structure.slosh_slices, strict=True
+        )
+        if cargo.filling is not None and not cargo.filling.lid
     )
