@@ -134,6 +134,7 @@ def main() -> None:
         print(json.dumps(case(json.load(sys.stdin), f"campaign-{options.seed}", options.every)))
         return
     known = [line for line in Lines.read(options.of) if line["kind"] == "planned"][: options.cases]
+    known.sort(key=lambda line: line["plan_processor_s"])  # so that a run that is cut short has as many as it can
     with Lines.writer(options.output) as lines, package(live=options.live) as folder:
         for wanted in known:
             spent = resource.getrusage(resource.RUSAGE_CHILDREN)
