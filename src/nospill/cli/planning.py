@@ -99,14 +99,14 @@ def plan(
         loading = time.perf_counter() - began
         outcome: Plan | NoSolutionError
         page: Path | None = None
+        stopping = ""
         try:
             try:
                 if scene.motion.stoppable is not None:
                     from nospill.stopping.stoppable import plan_stoppable
 
                     stoppable = plan_stoppable(scene, progress=progress.show, said=say)
-                    say(stoppable.text)
-                    found = stoppable.plan
+                    found, stopping = stoppable.plan, stoppable.text
                 else:
                     found = find_plan(scene, progress=progress.show)
                 outcome = found.timed("import", loading).with_second_looks()
@@ -135,6 +135,8 @@ def plan(
         print_json(outcome.summary() if saved is None else json.loads(saved.read_text(encoding="utf-8")))
     else:
         print_plan(outcome, output, page)
+    if stopping:
+        say(stopping)
     if not outcome.certificate.ok:
         say(one_line(outcome.message))
     return 0 if outcome.certificate.ok else 1

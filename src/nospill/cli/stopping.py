@@ -7,13 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nospill.cli.progress import LOADING, PLANNING_STEPS, ProgressLine
+from nospill.cli.progress import FILES, LOADING, ProgressLine
 from nospill.cli.reporting import sibling_file
 from nospill.cli.tables import print_lines, print_table, print_verdict, say
 
 if TYPE_CHECKING:  # for annotations only: at run time these would load numpy and CasADi before the help text
     from nospill.plans.stops import Stops
     from nospill.stopping.files import WrittenStop
+
+FINDING = "find the stops"
+_STEPS = (LOADING, FINDING, FILES)
 
 _ROWS = 12
 """Instants that are printed; all of them are in the file."""
@@ -63,7 +66,7 @@ def stops(
     stops.json, stops.png and the samples of every stop into the plan folder. With --format: exit code 1 if one is not
     certified as its controller plays it, read back from the file. This is no safety function.
     """
-    with ProgressLine(PLANNING_STEPS) as progress:
+    with ProgressLine(_STEPS) as progress:
         from nospill.core.units import quantity
         from nospill.plans.handover import exporter_named
         from nospill.plans.loading import load_plan
@@ -79,13 +82,16 @@ def stops(
         exporter = None if format_name is None else exporter_named(format_name)
         progress.say(LOADING)
         plan = load_plan(folder)
+        progress.say(FINDING)
         found = find_stops(
             plan,
             every=times[0],
             residual=quantity(residual, "ratio"),
             deceleration=braking,
             slowing=times[1],
+            progress=lambda done, of: progress.say(FINDING, f"{done} of {of} instants"),
         )
+        progress.say(FILES)
         write_stops(found, plan, folder)
         save_stops(found, folder / STOPS_FIGURE)
         written = []

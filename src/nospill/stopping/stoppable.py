@@ -107,7 +107,8 @@ def plan_stoppable(
         longest, at = _longest(made, every, within)
         tried.append((bound or speed, made.duration, longest))
         if said is not None:
-            said(f"{tried[-1][0]:.3f} m/s: {made.duration:.3f} s, stops within {longest:.3f} s")
+            late = "" if longest <= within else ": too long"
+            said(f"tray at up to {tried[-1][0]:.3f} m/s: {made.duration:.3f} s, longest stop {longest:.3f} s{late}")
         if longest <= within:
             best, low = StoppablePlan(made, within, longest, at, bound, fastest, tuple(tried)), bound or speed
         else:
