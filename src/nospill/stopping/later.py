@@ -6,17 +6,15 @@ an instant at which it has a good one. The way there is the plan's own; the whol
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-
-import numpy as np
+from dataclasses import replace
 
 from nospill.certification.wording import describe
-from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState
 from nospill.plans.stops import Stop
 from nospill.stopping.physics import stays
 from nospill.stopping.solving import judged_stop, stopping_scene, swinging_on
+from nospill.stopping.splices import joined_record
 
 _WORTH = 2e-3
 """s; by so much it has to be sooner."""
@@ -34,7 +32,7 @@ def sooner_by_waiting(plan: Plan, state: MotionState, own: Stop, following: Stop
     """
     if following.origin == "rest of the plan" or following.t - own.t + following.duration > own.duration - _WORTH:
         return own
-    record = _joined(state.rest, following.trajectory, following.t - own.t)
+    record = joined_record(state.rest, following.trajectory, following.t - own.t)
     scene = stopping_scene(plan.scene, state, residual)
     judged = judged_stop(record, scene)
     if judged is None or not judged[1].certificate.ok or not stays(judged[0], swinging_on(scene)):
@@ -48,15 +46,3 @@ def sooner_by_waiting(plan: Plan, state: MotionState, own: Stop, following: Stop
         nearest=describe(judgement.certificate.worst),
         trajectory=record,
     )
-
-
-def _joined(rest: Trajectory, stop: Trajectory, wait: float) -> Trajectory:
-    """What is left of a plan until a time, s, and a stop that begins there; its liquids are those of a judgement."""
-    rows = round(wait * rest.rate)
-    columns = {
-        item.name: np.concatenate([getattr(rest, item.name)[:rows], getattr(stop, item.name)])
-        for item in fields(rest)
-        if item.name not in ("t", "joints", "slosh", "in_motion")
-    }
-    t = np.arange(rows + len(stop.t)) / rest.rate
-    return replace(rest, t=t, slosh={}, **columns)

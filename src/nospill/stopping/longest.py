@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from nospill.plans.plan import Plan
-from nospill.plans.state import states_of
 from nospill.plans.stops import Stop
 from nospill.stopping.own_way import along_own_way
 from nospill.stopping.solving import Found, joint_path_of, stop_from
+from nospill.stopping.splices import states_with_leads
 from nospill.stopping.stops import require_stoppable
 
 _STRIDE = 4
@@ -51,9 +53,9 @@ def longest_stop(plan: Plan, every: float, within: float) -> tuple[float, float]
     found: dict[int, Found] = {}
     while True:
         for index in chosen:
-            (state,) = states_of(own_way.trajectory, own_way.scene, [index * every])
+            (state,), (lead,) = states_with_leads(own_way, np.array([index * every]))
             before = found[min(found, key=lambda known: abs(known - index))] if found else None
-            own[index], solved = stop_from(own_way, state, joint_path, before, afresh_above=within - every)
+            own[index], solved = stop_from(own_way, state, joint_path, before, afresh_above=within - every, lead=lead)
             if solved is not None:
                 found[index] = solved
         good = sorted(index for index, stop in own.items() if stop.duration <= within - every + 1e-9)

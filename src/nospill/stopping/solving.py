@@ -38,7 +38,8 @@ from nospill.robots.joint_paths.search import JointPath, path_through
 from nospill.scene.scene import Fidelity, Scene
 from nospill.stopping.bounds import bound_of
 from nospill.stopping.physics import stays
-from nospill.stopping.tightening import broken, faded, tightened
+from nospill.stopping.splices import Splice
+from nospill.stopping.tightening import broken, faded, gentler, tightened
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.margins_along import Margin
 from nospill.transcription.solvers import solve
@@ -91,6 +92,7 @@ def stop_from(
     *,
     residual: float = 1.0,
     afresh_above: float = math.inf,
+    lead: MotionState | None = None,
 ) -> tuple[Stop, Found | None]:
     """The fastest certified stop that was found from a state; what is left of the plan where none is sooner.
 
@@ -101,15 +103,17 @@ def stop_from(
         before: the stop from the instant before, from which this one is solved first.
         residual: how high liquids may swing on, over max_slosh_height.
         afresh_above: s, duration of the stop found so from which one is looked for from afar too, the faster is taken.
+        lead: the state `splices.BEFORE` samples earlier, from which on plan and stop are judged together too.
 
     Returns:
         The stop; and what the next one is solved from, None where nothing was solved.
     """
     began, left = time.perf_counter(), plan.duration - state.t
     scene = stopping_scene(plan.scene, state, residual)
-    found = None if before is None else _following(scene, state, before, left)
+    splice = lead and Splice(plan.trajectory, state.t, lead, stopping_scene(plan.scene, lead, residual))
+    found = None if before is None else _following(scene, state, before, left, splice)
     if found is None or found.stop.duration > afresh_above:
-        other = found_from_afar(scene, state, joint_path, left)
+        other = found_from_afar(scene, state, joint_path, left, splice)
         if found is None or (other is not None and other.stop.duration < found.stop.duration):
             found = other
     seconds = time.perf_counter() - began
@@ -146,19 +150,26 @@ def stopping_scene(scene: Scene, state: MotionState, residual: float = 1.0) -> S
     )
 
 
-def found_from_afar(scene: Scene, state: MotionState, joint_path: JointPath, left: float) -> Found | None:
+def found_from_afar(
+    scene: Scene, state: MotionState, joint_path: JointPath, left: float, splice: Splice | None = None
+) -> Found | None:
     """The first certified stop that is found from smooth motions, at most as long as `left`, s; None where none is.
 
     Where objects stay in none of those that the equations of the scene give, it is solved by the whole physics.
     """
-    found = _from_smooth_motions(scene, scene.fidelity, state, joint_path, left)
+    found = _from_smooth_motions(scene, scene.fidelity, state, joint_path, left, splice)
     if found is not None and not found.stays:
-        found = _from_smooth_motions(scene, "full", state, joint_path, left)
+        found = _from_smooth_motions(scene, "full", state, joint_path, left, splice)
     return found if found is not None and found.stays else None
 
 
 def _from_smooth_motions(
-    scene: Scene, fidelity: Fidelity, state: MotionState, joint_path: JointPath, left: float
+    scene: Scene,
+    fidelity: Fidelity,
+    state: MotionState,
+    joint_path: JointPath,
+    left: float,
+    splice: Splice | None = None,
 ) -> Found | None:
     """The first certified stop whose objects stay, by problems of some fidelity; where none is the last certified one.
 
@@ -173,19 +184,19 @@ def _from_smooth_motions(
         if not first.converged or duration > left or any(abs(duration / other - 1.0) < _SAME for other in known):
             continue
         known.append(duration)
-        found = _certified(scene, state, active, first, left)
+        found = _certified(scene, state, active, first, left, splice)
         if found is not None and found.stays:
             return found
         last = found or last
     return last
 
 
-def _following(scene: Scene, state: MotionState, before: Found, left: float) -> Found | None:
+def _following(scene: Scene, state: MotionState, before: Found, left: float, splice: Splice | None) -> Found | None:
     """The certified stop that is found from another one, by the same equations; None where none is."""
     active = _first(Task.of(replace(scene, fidelity=before.fidelity)), state).with_backoff(before.backoff)
     active = replace(active, margins=faded(before.margins))
     solution = _solved(active, before.solution.stages, before.solution)
-    found = _certified(scene, state, active, solution, left)
+    found = _certified(scene, state, active, solution, left, splice)
     return found if found is not None and found.stays else None
 
 
@@ -229,7 +240,9 @@ def _solved(active: ActiveSet, start: Stages, warm: Solution | None) -> Solution
     return solve(problem_about(expecting, start), start, options=options, warm=warm)
 
 
-def _certified(scene: Scene, state: MotionState, active: ActiveSet, solution: Solution, left: float) -> Found | None:
+def _certified(
+    scene: Scene, state: MotionState, active: ActiveSet, solution: Solution, left: float, splice: Splice | None
+) -> Found | None:
     """The stop that follows from an answer, its back-off raised until it is certified; None where that fails.
 
     Args:
@@ -238,6 +251,7 @@ def _certified(scene: Scene, state: MotionState, active: ActiveSet, solution: So
         active: of the problem that is answered, by the equations of the scene or by the whole physics.
         solution: its answer.
         left: s, that it may take at most.
+        splice: where it takes over from the plan; None where no motion leads there.
     """
     for _ in range(_TIGHTENED):
         if not solution.converged or solution.stages.duration > left:
@@ -246,7 +260,8 @@ def _certified(scene: Scene, state: MotionState, active: ActiveSet, solution: So
         if judged is None:
             return None
         record, judgement = judged
-        if judgement.certificate.ok and np.max(np.abs(record.tilt[-1])) <= _LEVEL:
+        over = splice.broken(record) if splice is not None and judgement.certificate.ok else {}
+        if judgement.certificate.ok and not over and np.max(np.abs(record.tilt[-1])) <= _LEVEL:
             stop = Stop(
                 t=state.t,
                 duration=record.end_time,
@@ -262,7 +277,7 @@ def _certified(scene: Scene, state: MotionState, active: ActiveSet, solution: So
             return Found(
                 stop, solution, dict(active.backoff), dict(active.margins), fidelity=active.scene.fidelity, stays=whole
             )
-        tighter = tightened(active, broken(active, judgement), judgement)
+        tighter = gentler(active, over, judgement) if over else tightened(active, broken(active, judgement), judgement)
         if tighter is active:
             return None
         active, solution = tighter, _solved(tighter, solution.stages, solution)

@@ -16,13 +16,14 @@ from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
 from nospill.plans.names import STOPS_FILE, STOPS_FOLDER
 from nospill.plans.plan import Plan
-from nospill.plans.state import MotionState, require_known_joints, states_of
+from nospill.plans.state import MotionState, require_known_joints
 from nospill.plans.stops import Stop, Stops, file_of
 from nospill.robots.robot import Robot
 from nospill.stopping.controller import braked, slowed_to_rest
 from nospill.stopping.later import sooner_by_waiting
 from nospill.stopping.own_way import along_own_way
 from nospill.stopping.solving import joint_path_of, stop_from
+from nospill.stopping.splices import states_with_leads
 
 EVERY = 0.02
 """s; from how many instants a stop is looked for."""
@@ -77,9 +78,9 @@ def stops(
     if not len(instants):
         raise ScenarioError(f"every = {every:g} s: the motion takes {plan.duration:.3f} s, no instant lies within it")
     own_way = along_own_way(plan, every)
-    states = states_of(own_way.trajectory, own_way.scene, instants)
+    states, leads = states_with_leads(own_way, instants)
     own, controller = [], []
-    for number, stop in enumerate(_one_by_one(own_way, states, residual), start=1):
+    for number, stop in enumerate(_one_by_one(own_way, states, leads, residual), start=1):
         own.append(stop)
         controller += [braked(plan, stop.t, brake), slowed_to_rest(plan, stop.t, slowing)]
         if progress is not None:
@@ -90,12 +91,14 @@ def stops(
     )
 
 
-def _one_by_one(plan: Plan, states: Sequence[MotionState], residual: float) -> Iterator[Stop]:
+def _one_by_one(
+    plan: Plan, states: Sequence[MotionState], leads: Sequence[MotionState], residual: float
+) -> Iterator[Stop]:
     """The stop from every state, each solved from the one before it."""
     joint_path, found = joint_path_of(plan), None
-    for number, state in enumerate(states, start=1):
+    for number, (state, lead) in enumerate(zip(states, leads, strict=True), start=1):
         above = 0.0 if number % _AFRESH == 0 else math.inf
-        stop, found = stop_from(plan, state, joint_path, found, residual=residual, afresh_above=above)
+        stop, found = stop_from(plan, state, joint_path, found, residual=residual, afresh_above=above, lead=lead)
         yield stop
 
 

@@ -1,5 +1,7 @@
 """What a stop that was rejected keeps more of the next time: back-off, margins at its beginning, margins of waves.
 
+Where the motion of plan and stop together breaks a limit as the stop takes over, the stop begins with less jerk.
+
 The optimiser's heights are linear. What the second order adds, and where, is known of the stop that was judged; it
 grows with the square of the waves that drive it. So the next problem keeps a margin instant by instant: first what
 calmer waves would add, of which own and added heights together are the limit, then more where that was not enough.
@@ -17,6 +19,7 @@ from nospill.certification.certificate import Judgement
 from nospill.certification.verdict import Trace
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.jerk import PathJerk, TiltJerk
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.planning.active_set import ActiveSet
@@ -26,6 +29,9 @@ _MORE, _MOST_BACKOFF = 0.005, 0.9
 """Back-off beyond what the judge found, and the most of it."""
 _EARLY, _AT_START = 0.12, np.array([1.0, 1.0, 0.0])
 """Part of a stop up to which a row that breaks is tightened there alone, and how that fades."""
+_JERKS = (PathJerk.name, TiltJerk.name)
+_HEADROOM, _MOST_OF_JERK = 0.01, 0.97
+"""Of a limit, on which a plan stands with so much to spare; part of the jerk that is taken away at most."""
 _SHARES = 50
 """Of a stop, in which margins of waves are noted."""
 _NEAR, _MOST_KEPT = 0.95, 0.8
@@ -90,6 +96,27 @@ def tightened(active: ActiveSet, over: Mapping[RowId, tuple[float, float]], judg
     if not known and not waves:
         return active
     return replace(active, backoff=backoff, margins=margins | waves)
+
+
+def gentler(active: ActiveSet, over: Mapping[RowId, float], judgement: Judgement) -> ActiveSet:
+    """The set with less jerk at the beginning of a stop; itself where there is none to take away.
+
+    Args:
+        active: of the last problem.
+        over: use of the limits that plan and stop break together where the stop takes over.
+        judgement: of its answer alone.
+    """
+    part = float(np.clip(_HEADROOM / (max(over.values()) - 1.0 + _HEADROOM), 0.1, 0.5))
+    less: dict[RowId, Margin] = {}
+    for trace in judgement.traces:
+        row = RowId(trace.constraint, trace.subject)
+        if trace.constraint not in _JERKS or row not in active.backoff:
+            continue
+        first = float(np.max(trace.use[trace.t - trace.t[0] <= _EARLY * judgement.end_time]))
+        kept = min(1.0 - part * first, _MOST_OF_JERK)
+        if row not in active.margins or kept > active.margins[row].kept[0]:
+            less[row] = Margin(np.array([0.0, _EARLY, 1.5 * _EARLY]), kept * _AT_START)
+    return replace(active, margins={**active.margins, **less}) if less else active
 
 
 def faded(margins: Mapping[RowId, Margin]) -> dict[RowId, Margin]:

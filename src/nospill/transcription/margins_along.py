@@ -19,7 +19,7 @@ from nospill.transcription.stages import Stages
 
 _PROBE = 0.2
 """Reserve with which the rows are looked at; they are at most quadratic in it."""
-_MOST = 0.8
+_MOST = 0.98
 """Part of what the back-off leaves that a margin takes at most."""
 
 
