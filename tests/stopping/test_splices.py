@@ -1,0 +1,69 @@
+"""Plan and stop as one motion, where a spline through both overshoots: the plan stands on a limit there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import nospill as ns
+from nospill.motion.interpolation import QUINTIC_SPLINE
+from nospill.plans.plan import Plan
+from nospill.plans.stops import Stop, stopped
+from nospill.stopping.controller import judged_to_rest
+from nospill.stopping.solving import joint_path_of, stop_from, stopping_scene
+from nospill.stopping.splices import Splice, states_with_leads
+
+AT = 0.12
+"""s; the motion has hardly begun, a stop takes a twentieth of a second, and friction is used up."""
+CAN = """
+[robot]
+model = "ur10e"
+
+[tray]
+size = ["335 mm", "250 mm"]
+friction = 0.3
+offset = "108 mm"
+
+[[cargo]]
+name = "can"
+at = ["0 mm", "0 mm"]
+shape = "cylinder"
+radius = "35 mm"
+height = "50 mm"
+mass = "0.3 kg"
+
+[path]
+type = "line"
+start = ["0.6 m", "-0.3 m", "0.5 m"]
+end = ["0.6 m", "0.3 m", "0.5 m"]
+
+[motion]
+end = "still"
+"""
+
+
+@pytest.mark.slow
+def test_a_stop_begins_with_so_little_jerk_that_the_whole_motion_is_certified(tmp_path) -> None:
+    (tmp_path / "can.toml").write_text(CAN)
+    plan = ns.plan(ns.load(tmp_path / "can.toml"))
+    (state,), (lead,) = states_with_leads(plan, np.array([AT]))
+    splice = Splice(plan.trajectory, AT, lead, stopping_scene(plan.scene, lead))
+    joint_path = joint_path_of(plan)
+    alone, _ = stop_from(plan, state, joint_path, None)
+    together, _ = stop_from(plan, state, joint_path, None, lead=lead)
+    assert alone.is_sooner and together.is_sooner and together.duration < 1.05 * alone.duration
+    (broken,) = splice.broken(alone.trajectory).items()
+    assert broken[0] == ("slip", "can") and broken[1] > 1.002
+    assert _slip_from_rest(plan, alone) == pytest.approx(broken[1], abs=1e-3)  # from rest, no state is known
+    assert not splice.broken(together.trajectory) and _slip_from_rest(plan, together) <= 1.0
+
+
+def _slip_from_rest(plan: Plan, stop: Stop) -> float:
+    """Use of friction by the plan until then and the stop, from rest to rest."""
+    samples = stopped(plan.trajectory, stop)
+    scene = replace(plan.scene, motion=replace(plan.scene.motion, end="residual"))
+    motion = QUINTIC_SPLINE.motion(samples)
+    certificate = judged_to_rest(motion, float(samples.t[-1]), plan.trajectory.rate, scene).certificate
+    return next(row.use for row in certificate.rows if row.constraint == "slip")
