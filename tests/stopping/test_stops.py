@@ -132,6 +132,7 @@ def test_the_command_writes_table_figure_and_library(plan: Plan, tmp_path: Path)
     done = CliRunner().invoke(app, ["stops", str(folder), "--every", "3 s", "--within", "0.01 s"])
     said = done.stdout.replace("\n", " ")
     assert done.exit_code == 1 and "no safety function" in said and "not stoppable within 0.01 s" in said
+    assert "at [s]" in done.stdout and "2 of 3: find the stops" in done.stderr
     table = json.loads((folder / "stops.json").read_text(encoding="utf-8"))
     assert [entry["t_s"] for entry in table["stops"]] == pytest.approx([3.0])
     assert len(table["controller"]) == 2 and (folder / "stops.png").stat().st_size > 10_000

@@ -58,7 +58,7 @@ def print_table(
     for index, width in zip(shown, widths, strict=True):
         side = "right" if columns[index] in numeric or columns[index] in right else "left"
         wraps = index == last and width > _LEAST_TEXT
-        table.add_column(columns[index], justify=side, no_wrap=not wraps, min_width=_LEAST_TEXT if wraps else width)
+        table.add_column(Text(columns[index]), justify=side, no_wrap=not wraps, min_width=_LEAST_TEXT if wraps else width)
     for number, row in enumerate(cells):
         # Text: names may hold what rich takes for markup.
         table.add_row(*(Text(row[index]) for index in shown), style="red" if number in failing else None)
