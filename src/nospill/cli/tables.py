@@ -58,9 +58,10 @@ def print_table(
     for index, width in zip(shown, widths, strict=True):
         side = "right" if columns[index] in numeric or columns[index] in right else "left"
         wraps = index == last and width > _LEAST_TEXT
-        table.add_column(Text(columns[index]), justify=side, no_wrap=not wraps, min_width=_LEAST_TEXT if wraps else width)
+        least = _LEAST_TEXT if wraps else width
+        # Text: names and units in brackets may be what rich takes for markup.
+        table.add_column(Text(columns[index]), justify=side, no_wrap=not wraps, min_width=least)
     for number, row in enumerate(cells):
-        # Text: names may hold what rich takes for markup.
         table.add_row(*(Text(row[index]) for index in shown), style="red" if number in failing else None)
     least = sum(widths[:-1]) + min(widths[-1], _LEAST_TEXT) + (_GAP + 1) * len(shown)
     console(width=max(_width(), least)).print(table)
