@@ -9,7 +9,7 @@ import numpy as np
 
 from nospill.errors import ScenarioError
 from nospill.motion.trajectory import SloshTrack, Trajectory
-from nospill.plans.swings import swing_table, swings_at
+from nospill.plans.swings import swing_table, swings_at, with_own_second_order
 from nospill.scene.initial_state import InitialState
 from nospill.scene.scene import Scene
 from nospill.scene.swing import Swing
@@ -63,6 +63,7 @@ def states_of(record: Trajectory, scene: Scene, t: Sequence[float] | np.ndarray)
     require_known_state(scene)
     rows = np.rint((times - record.t[0]) * record.rate).astype(int)
     swings = swings_at(record, scene, record.t[rows], following=scene.cargo)
+    swings = with_own_second_order(swings, record, scene, record.t[rows])
     return [
         MotionState(float(record.t[row]), _recorded(record, row), own, rest_of(record, float(record.t[row])))
         for row, own in zip(rows, swings, strict=True)

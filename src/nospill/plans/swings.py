@@ -79,6 +79,37 @@ def swings_at(
     ]
 
 
+def with_own_second_order(
+    swings: Sequence[dict[str, Swing]], record: Trajectory, scene: Scene, t: np.ndarray
+) -> list[dict[str, Swing]]:
+    """Swings of the full model at some times with the second order that the scene's own modes drive.
+
+    A motion that goes on in the same scene is judged with as many modes as it states; with the second order of all of
+    them its crests would be others than those of the whole motion.
+
+    Args:
+        swings: at the times, as `swings_at` has them.
+        record: of the motion.
+        scene: of it; as they are where it has all modes.
+        t: (m,) s, the times.
+
+    Raises:
+        ModelError: the liquids cannot be integrated.
+    """
+    known = list(map(dict, swings))
+    if scene.fewer_modes is None or scene.fidelity != "full":
+        return known
+    run = run_of(held_trajectory(record, scene.motion), scene.controller)
+    played = replay(run.record, scene, motion=run.motion)
+    for item, part in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True):
+        if item.filling is None or not to_second_order(item, "second order"):
+            continue
+        own = _with_second([found[item.name] for found in known], item, played, part, t)
+        for found, swing in zip(known, own, strict=True):
+            found[item.name] = swing
+    return known
+
+
 def _with_second(swings: list[Swing], cargo: Cargo, played: Replay, own: slice, times: np.ndarray) -> list[Swing]:
     """The swings of a liquid at some times with what they drive to the second order."""
     q, qd = played.slosh_displacement[:, own], played.slosh_velocity[:, own]
