@@ -58,7 +58,7 @@ class Splice:
         near = shortened(joined, row - first + _AFTER)
         try:
             played = replay(
-                near, self.scene, motion=lambda t, order: spline(t + first / rate, order), rate=MINIMUM_RATE
+                near, self.scene, motion=lambda t, order=0: spline(t + first / rate, order), rate=MINIMUM_RATE
             )
             traces = constraint_traces(near, self.scene, played, points=_POINTS)
         except (ModelError, np.linalg.LinAlgError):
