@@ -1,7 +1,7 @@
 """Stops of scenarios nobody picked: the cases of the campaign that have a plan, planned again and stopped all along.
 
     python -m benchmarks.stops.campaign --cases 200 -o stops.jsonl     run, or go on where it stopped
-    python -m benchmarks.stops.campaign --report stops.jsonl           count
+    python -m benchmarks.stops.campaign --report benchmarks/results/stops.jsonl.gz     count
 
 Every case is a process with a limit on its processor time, and one JSON line of the file, so that a crash or a hang is
 a line like any other. The stops come from `ns.stops`, every 60 ms; each is judged anew with the plan before it,
