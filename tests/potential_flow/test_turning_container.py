@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from nospill.potential_flow.basin import Basin, basin_of
-from nospill.potential_flow.nonlinear import full_flow
+from nospill.potential_flow.nonlinear import full_flow, room_of
 from nospill.potential_flow.orders import lean_of, linear_terms
 from nospill.potential_flow.turning import Tilting, tilting
 from tests.waters import cup
@@ -120,3 +120,15 @@ def test_energy_comes_through_the_walls_alone(basin: Basin) -> None:
     sinks = -(_moving(basin, inside, state[1], omega, z) + _carried(modes.points, omega, z))[2]
     work -= float(np.sum(modes.weight * (pressure(basin, inside, z) - level) * sinks))
     assert gained == pytest.approx(work, rel=3e-3)
+
+
+def test_room_that_is_used_again_leaves_no_trace() -> None:
+    """Of several liquids at once, leaning, one state after the other."""
+    basin, random = basin_of(cup()), np.random.default_rng(3)
+    terms, room = linear_terms(basin), room_of(basin, 2)
+    row = random.normal(size=(9, 2)) + np.array([0.0] * 8 + [9.8])[:, None]
+    for _ in range(2):
+        state = random.normal(size=(2, 2, len(basin.damping))) * np.array([[2e-4], [1e-5]])
+        together = full_flow(terms, state, row, room)
+        alone = [full_flow(terms, own, part) for own, part in zip(state, row.T, strict=True)]
+        np.testing.assert_allclose(together, alone, rtol=1e-9, atol=1e-12)

@@ -366,9 +366,19 @@ class ActiveSet:
 
     def _with_driven(self, judgement: Judgement) -> ActiveSet:
         """The set with waves of second order as states, after a motion that is smooth enough to begin with."""
+        task, factor = replace(self.task, smooth_first=False), first_jerk_weight(self.jerk_weight_factor)
+        return self._begun_again(task, factor, judgement)
+
+    def without_driven(self, judgement: Judgement) -> ActiveSet:
+        """The set of a task that stills waves of second order by smoothness alone; itself where they are no states."""
+        if not self.task.may_be_driven:
+            return self
+        task = replace(self.task, smooth_alone=True, smooth_first=False)
+        return self._begun_again(task, self.jerk_weight_factor, judgement)
+
+    def _begun_again(self, task: Task, factor: float, judgement: Judgement) -> ActiveSet:
+        """The set of another task, with this factor on the weights of the jerks and the same modes joined afresh."""
         kept = {row: value for row, value in self.backoff.items() if row not in self._final}
-        task = replace(self.task, smooth_first=False)
-        factor = first_jerk_weight(self.jerk_weight_factor)
         begun = replace(self, task=task, refined=frozenset(), backoff=kept, jerk_weight_factor=factor)
         return begun.joined(self.members, self.refined, judgement)
 

@@ -34,6 +34,11 @@ def fallbacks(taken: Candidate, log: Log, *sentences: str) -> tuple[str, ...]:
         )
     if taken.active.task.passage.level and scene.motion.without_freedom() != scene.motion:
         texts.append("no motion past the singularity was found but with a level tray on its path: that one was taken")
+    if taken.active.task.smooth_alone:
+        texts.append(
+            "no motion that stills waves of second order by their timing was certified: one that stills them by "
+            "smoothness was taken, which is slower"
+        )
     if not taken.has_converged:
         texts.append(
             f"the last solve ended before it converged ({taken.solution.status}): its motion was taken, and a faster "

@@ -13,6 +13,7 @@ from nospill.certification.tracks import judged_tracks, variant_tracks
 from nospill.errors import ModelError, NoSolutionError
 from nospill.laws.constraints import DEVIATION_JERK_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, exported, problem_about, solved
@@ -118,8 +119,24 @@ def certify_by_refinement(candidate: Candidate, log: Log) -> Judged:
     Raises:
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
-    judged = _refine_until_certified(candidate, log)
+    judged = _by_smoothness(_refine_until_certified(candidate, log), log)
     return _relaxed(_lightened(judged, log), log)
+
+
+def _by_smoothness(judged: Judged, log: Log) -> Judged:
+    """A motion that leaves too much after the end by the nonlinear flow, smoothed instead; itself where that fails."""
+    active, rows = judged.candidate.active, judged.judgement.certificate.rows
+    if log.out_of_time or all(row.ok or row.constraint != ResidualHeight.name for row in rows):
+        return judged
+    smooth = active.without_driven(judged.judgement)
+    if smooth is not active:
+        with suppress(NoSolutionError):
+            start = start_from(smooth, judged.trajectory, log, judged.candidate.stages)
+            again = solve_from(smooth, start, log, BARRIERS[:1])
+            refined = again and _refine_until_certified(again, log)
+            if refined and refined.judgement.certificate.ok:
+                return refined
+    return judged
 
 
 def _relaxed(judged: Judged, log: Log) -> Judged:

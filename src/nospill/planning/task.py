@@ -45,6 +45,7 @@ class Task:
         ignored: names of constraints that the problem leaves out.
         passage: how the arm passes its singularities.
         smooth_first: whether waves of second order are kept out of its problems until a motion is smooth enough.
+        smooth_alone: whether they are kept out of all, since no problem with them led to a certified motion.
     """
 
     scene: Scene
@@ -55,6 +56,7 @@ class Task:
     ignored: frozenset[str] = frozenset()
     passage: Passage = NOT_BOUNDED
     smooth_first: bool = False
+    smooth_alone: bool = False
 
     @classmethod
     def of(cls, scene: Scene, ignored: Collection[str] = ()) -> Task:
@@ -132,11 +134,16 @@ class Task:
 
         Cups whose height after the end is judged by the nonlinear flow, unless smoothness comes first.
         """
-        return frozenset() if self.smooth_first else self.may_be_driven
+        return frozenset() if self.smooth_first or self.smooth_alone else self.by_flow
 
     @property
     def may_be_driven(self) -> frozenset[str]:
         """The same whatever comes first."""
+        return frozenset() if self.smooth_alone else self.by_flow
+
+    @property
+    def by_flow(self) -> frozenset[str]:
+        """Objects whose height after the end the nonlinear flow judges in any problem and motion of the task."""
         motion, alone = self.scene.motion, min(self.speeds.values(), default=1.0) == 1.0
         if motion.stop or not alone or self.scene.initial_state is not None or self.scene.planned_modes < 2:
             return frozenset()
@@ -146,10 +153,10 @@ class Task:
     def judged_scene(self, refined: Collection[str]) -> Scene:
         """The scene that a motion is judged for.
 
-        Of a problem without the modes that drive waves of second order, what is left of those is looked at to that
-        order: the motion is so rough that its flow says little.
+        Of a problem without the modes that drive waves of second order, and where smoothness alone stills them, what is
+        left of those is looked at to that order: the motion is so rough that its flow says little.
         """
-        if refined or not self.may_be_driven:
+        if not self.by_flow or (refined and not self.smooth_alone):
             return self.scene
         return replace(self.scene, motion=replace(self.scene.motion, residual_height="second order"))
 

@@ -30,7 +30,7 @@ class Fields:
     Attributes:
         height: (..., P) eta, m.
         steep: (2, ..., P) its slope.
-        value: (..., P, J) Q, of every mode's potential per its amplitude.
+        value: (..., P, J) Q, of every mode's potential per its amplitude; a view of the room it was computed in.
         velocity: (3, ..., P) grad phi, m/s.
     """
 
@@ -40,26 +40,43 @@ class Fields:
     velocity: np.ndarray
 
 
-def fields_of(basin: Basin, state: np.ndarray) -> Fields:
-    """The flow of states (..., 2, J), surface and potential."""
+def room_of(basin: Basin, *axes: int) -> np.ndarray:
+    """Room (3, ..., P, J) for one evaluation of states with these axes; the next one writes over it.
+
+    Fresh arrays of this size cost three times what is computed in them: the system clears each when it hands it out.
+    """
+    return np.empty((3, *axes, *basin.modes.shape.shape))
+
+
+def fields_of(basin: Basin, state: np.ndarray, room: np.ndarray | None = None) -> Fields:
+    """The flow of states (..., 2, J), surface and potential; `room` as of `room_of`, its own by default."""
     modes, surface, potential = basin.modes, state[..., 0, :], state[..., 1, :]
     k = modes.wave_number
     height = surface @ modes.shape.T
+    rising, falling, value = room_of(basin, *height.shape[:-1]) if room is None else room
     bottom = np.exp(-2 * k * basin.depth)
-    rising = np.exp(height[..., None] * k)
-    falling = bottom / rising
-    depth = (rising + falling) / (1 + bottom)
-    along, up = depth * potential[..., None, :], (rising - falling) * (k * potential / (1 + bottom))[..., None, :]
+    share = potential / (1 + bottom)
+    np.multiply(height[..., None], k, out=rising)
+    np.exp(rising, out=rising)
+    np.divide(bottom, rising, out=falling)
+    np.add(rising, falling, out=value)
+    rising -= falling
+    rising *= (k * share)[..., None, :]
+    along = np.multiply(value, share[..., None, :], out=falling)
     velocity = [np.einsum("pj,...pj->...p", slope, along) for slope in modes.slope]
-    velocity.append(np.einsum("pj,...pj->...p", modes.shape, up))
+    velocity.append(np.einsum("pj,...pj->...p", modes.shape, rising))
+    value *= modes.shape / (1 + bottom)
     steep = np.stack([surface @ slope.T for slope in modes.slope])
-    return Fields(height, steep, modes.shape * depth, np.stack(velocity))
+    return Fields(height, steep, value, np.stack(velocity))
 
 
-def full_flow(terms: LinearTerms, state: np.ndarray, row: np.ndarray) -> np.ndarray:
-    """Rates (..., 2, J) of surface and potential, m/s and m^2/s^2; arguments as of `orders.first_order`."""
+def full_flow(terms: LinearTerms, state: np.ndarray, row: np.ndarray, room: np.ndarray | None = None) -> np.ndarray:
+    """Rates (..., 2, J) of surface and potential, m/s and m^2/s^2.
+
+    Arguments as of `orders.first_order`; `room` as of `room_of`, its own by default.
+    """
     basin = terms.basin
-    modes, flow = basin.modes, fields_of(basin, state)
+    modes, flow = basin.modes, fields_of(basin, state, room)
     x, y = modes.points.T
     omega, alpha, force = (part[..., None] for part in row.reshape(3, 3, *row.shape[1:]))
     lean, lean_rate = (np.moveaxis(lean_of(part[..., 0]), 0, -1) for part in (omega, alpha))
@@ -76,7 +93,7 @@ def full_flow(terms: LinearTerms, state: np.ndarray, row: np.ndarray) -> np.ndar
     through = velocity[2] - np.einsum("x...p,x...p->...p", flow.steep, velocity[:2])
     weighted = modes.shape * modes.weight[:, None]
     coupling = weighted.T @ flow.value
-    carried = np.einsum("...pj,...p->...j", flow.value, modes.weight * through)
+    carried = ((modes.weight * through)[..., None, :] @ flow.value)[..., 0, :]
     rate = _solved(np.swapaxes(coupling, -1, -2), carried)
     push = pressure @ weighted + modes.norm * terms.friction * rate
     return np.stack([rate, -_solved(coupling, push)], axis=-2)

@@ -10,7 +10,7 @@ import numpy as np
 from nospill.core.hermite import cubic_hermite
 from nospill.potential_flow.basin import Basin
 from nospill.potential_flow.integration import runge_kutta
-from nospill.potential_flow.nonlinear import full_flow
+from nospill.potential_flow.nonlinear import full_flow, room_of
 from nospill.potential_flow.orders import LinearTerms, first_order, second_order, second_order_sources
 
 _CHECKED = 20
@@ -59,12 +59,12 @@ def _with_middles(terms: LinearTerms, states: np.ndarray, rows: np.ndarray, step
 
 def whole_flow(terms: LinearTerms, start: np.ndarray, rows: np.ndarray, step: float) -> np.ndarray:
     """States (n, 2, J) of the full flow, n <= m + 1: as far as it goes."""
-    modes, highest = terms.basin.modes, greatest_height(terms.basin)
+    modes, highest, room = terms.basin.modes, greatest_height(terms.basin), room_of(terms.basin)
 
     def holds(state: np.ndarray) -> bool:
         return bool(np.all(np.isfinite(state)) and np.max(np.abs(modes.shape @ state[0])) < highest)
 
-    return runge_kutta(lambda state, row: full_flow(terms, state, row), start, rows, step, holds=holds)
+    return runge_kutta(lambda state, row: full_flow(terms, state, row, room), start, rows, step, holds=holds)
 
 
 def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> np.ndarray:
@@ -80,13 +80,22 @@ def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> np.ndarray:
     """
     state = np.zeros((rows.shape[2], 2, len(terms.stiffness)))
     modes, highest = terms.basin.modes, greatest_height(terms.basin)
+    room = room_of(terms.basin, len(state))
+
+    def rate(now: np.ndarray, row: np.ndarray) -> np.ndarray:
+        return full_flow(terms, now, row, room)
+
     with np.errstate(invalid="ignore"):
         for first in range(0, rows.shape[1] - 1, 2 * _CHECKED):
             part = rows[:, first : first + 2 * _CHECKED + 1]
-            always = runge_kutta(lambda now, row: full_flow(terms, now, row), state, part, step, holds=lambda _: True)
+            always = runge_kutta(
+                lambda now, row: full_flow(terms, now, row, room), state, part, step, holds=lambda _: True
+            )
             state = always[-1]
             high = np.max(np.abs(state[:, 0] @ modes.shape.T), axis=1)
             state[~(high < highest)] = np.nan
+            if np.all(np.isnan(state)):
+                break
     return state
 
 

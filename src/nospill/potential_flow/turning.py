@@ -73,16 +73,14 @@ class Tilting:
             (3, ..., P) m/s and (..., P) m^2/s^2.
         """
         modes = self.basin.modes
-        k, shape = modes.wave_number[self.index], modes.shape[:, self.index]
-        slope = modes.slope[:, :, self.index] / k
-        faded = np.exp(-(height + self.basin.depth)[..., None] * k)
-        side, side_rate = lean @ modes.points.T, lean_rate @ modes.points.T
-        own = faded * (lean @ self.share.T)[..., None, :]
-        own_rate = faded * (lean_rate @ self.share.T)[..., None, :]
-        velocity = [2 * np.einsum("pj,...pj->...p", part, own) for part in slope]
-        velocity.append(2 * (side - np.einsum("pj,...pj->...p", shape, own)))
-        potential = side_rate * height + 2 * np.einsum("pj,...pj->...p", shape / k, own_rate)
-        return np.stack(velocity), potential
+        k = modes.wave_number[self.index, None]
+        shape, slope = modes.shape.T[self.index], modes.slope.transpose(0, 2, 1)[:, self.index]
+        faded = np.exp(-np.multiply.outer(k[:, 0], height + self.basin.depth))  # (J', ..., P)
+        own, own_rate = (np.moveaxis(of @ self.share.T, -1, 0)[..., None] for of in (lean, lean_rate))
+        velocity = 2 * np.einsum("xjp,j...p->x...p", np.stack([*(slope / k), -shape]), faded * own)
+        velocity[2] += 2 * (lean @ modes.points.T)
+        potential = 2 * np.einsum("jp,j...p->...p", shape / k, faded * own_rate)
+        return velocity, potential + (lean_rate @ modes.points.T) * height
 
 
 def tilting(basin: Basin) -> Tilting:
