@@ -8,12 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nospill.certification import flow_left
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.flow_left import Left, left_by_flow
 from nospill.certification.second_order import heights_after
 from nospill.errors import ScenarioError
 from nospill.motion.at_speed import at_speed
+from nospill.plans.warnings import plan_warnings
 from nospill.potential_flow import crests_along, flow_terms, rows_at
+from nospill.potential_flow.at_end import AtEnd
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
 from nospill.scene.heights import ResidualOrder, by_nonlinear_flow
@@ -82,6 +85,19 @@ def test_a_flow_that_breaks_down_is_as_high_as_none_is(judged: tuple[Scene, Judg
     scene, _, judgement = judged
     stop = replace(scene, motion=replace(scene.motion, stop=True))
     assert left_by_flow(stop, judgement.replay, -1) == {}
+
+
+def test_a_flow_that_breaks_down_is_told_apart(
+    judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, _, judgement = judged
+    lost = AtEnd(np.full((2, len(flow_terms(cup()).stiffness)), np.nan), 0.62)
+    monkeypatch.setattr(flow_left, "states_at_end", lambda objects, *_: [lost] * len(objects))
+    rows = tuple(replace(row, ok=row.id != (_RESIDUAL, "cup")) for row in judgement.certificate.rows)
+    over = replace(judgement, certificate=replace(judgement.certificate, rows=rows))
+    (warning,) = [item for item in plan_warnings(scene, over, {}) if item.name == "flow"]
+    assert warning.subject == "cup" and "breaks down at 0.62 s" in warning.text
+    assert not [item for item in plan_warnings(scene, judgement, {}) if item.name == "flow"]
 
 
 def test_it_is_refused_where_slosh_heights_are_linear(judged: tuple[Scene, Judgement, Judgement]) -> None:

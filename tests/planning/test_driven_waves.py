@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,9 @@ from nospill.certification.verdict import Row
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.scene_parameters import structure_of
+from nospill.planning import refinement
+from nospill.planning.active_set import ActiveSet
+from nospill.planning.candidate import Candidate
 from nospill.planning.driven_waves import (
     as_carried,
     far_over,
@@ -21,6 +25,7 @@ from nospill.planning.driven_waves import (
     steadier,
     steadier_backoff,
 )
+from nospill.planning.refinement import solve_from
 from nospill.planning.task import Task
 from nospill.potential_flow.driven_numbers import driven_count
 from nospill.scenario.examples import example_path
@@ -43,6 +48,9 @@ def test_upright_cups_have_them_with_their_modes() -> None:
     assert not any(item.driven for item in structure_of(first).objects)
     assert not Task.of(replace(asked, motion=replace(asked.motion, stop=True))).driven
     assert not replace(task, smooth_first=True).driven
+    alone = replace(task, smooth_alone=True)
+    assert not alone.driven and not alone.may_be_driven
+    assert alone.judged_scene(["cup"]).motion.residual_height == "second order"
 
 
 def test_a_rough_motion_is_judged_to_the_second_order() -> None:
@@ -103,3 +111,18 @@ def test_the_flow_keeps_its_limit_in_a_motion_hardly_longer_than_with_linear_hei
     assert row.linear_value is not None and np.isfinite(row.worst_value)
     longer = found["nonlinear"].trajectory.end_time / found["linear"].trajectory.end_time
     assert longer < 1.06
+
+
+@pytest.mark.slow
+def test_where_their_problem_has_no_answer_smoothness_stills_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = []
+
+    def without_answer(active: ActiveSet, *args: Any, **options: Any) -> Candidate | None:
+        tried.append(bool(active.task.driven & active.refined))
+        return None if tried[-1] else solve_from(active, *args, **options)
+
+    monkeypatch.setattr(refinement, "solve_from", without_answer)
+    monkeypatch.setattr(refinement, "_with_modes", lambda *_: None)
+    found = plan(load("bracket-tray").changed({**_NONLINEAR, "planning.intervals": 20, "planning.slosh_modes": 3}))
+    assert tried[0] and not tried[-1] and found.certificate.ok
+    assert "by smoothness" in found.report.fallbacks[0]

@@ -36,10 +36,11 @@ def test_each_is_as_if_followed_alone() -> None:
     near, far = cup(), replace(cup(), position=(0.1, 0.05), yaw=0.5)
     objects, body = [near, tub(), far], _moved(0.5)
     found = states_at_end(objects, _T, body)
-    for cargo, state in zip(objects, found, strict=True):
+    for cargo, at_end in zip(objects, found, strict=True):
         expected = _alone(cargo, body)
-        np.testing.assert_allclose(state[0], expected[0], atol=0.02 * np.max(np.abs(expected[0])))
-    assert np.max(np.abs(found[0] - found[2])) > 1e-4
+        np.testing.assert_allclose(at_end.state[0], expected[0], atol=0.02 * np.max(np.abs(expected[0])))
+        assert at_end.breaks_at is None
+    assert np.max(np.abs(found[0].state - found[2].state)) > 1e-4
 
 
 def test_one_that_breaks_down_leaves_the_others() -> None:
@@ -48,8 +49,9 @@ def test_one_that_breaks_down_leaves_the_others() -> None:
     body[2] *= 4.0
     body[5] *= 4.0
     together, alone = states_at_end([calm, far], _T, body), states_at_end([calm], _T, body)
-    assert np.all(np.isnan(together[1]))
-    np.testing.assert_allclose(together[0], alone[0], atol=1e-12)
+    assert np.all(np.isnan(together[1].state))
+    assert together[1].breaks_at is not None and 0.02 < together[1].breaks_at < 0.4
+    np.testing.assert_allclose(together[0].state, alone[0].state, atol=1e-12)
 
 
 def test_without_liquids_there_is_nothing() -> None:

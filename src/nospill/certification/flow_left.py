@@ -33,6 +33,7 @@ class Left:
         state: (2, J) heights, m, and potentials, m^2/s, of these; NaN where the flow broke down.
         displacement: (k,) of the modal masses, m; of those is read what the flow does not carry.
         velocity: (k,) likewise, m/s.
+        breaks_at: when the flow broke down, s; None of one that went through.
     """
 
     cargo: Cargo
@@ -40,6 +41,7 @@ class Left:
     state: np.ndarray
     displacement: np.ndarray
     velocity: np.ndarray
+    breaks_at: float | None = None
 
     def crests(self, t: np.ndarray) -> np.ndarray:
         """Greatest heights round the wall (n,), m, at times (n,), s, since then.
@@ -83,9 +85,10 @@ def left_by_flow(scene: Scene, played: Replay, index: int) -> dict[str, Left]:
         cargo.name: Left(
             cargo,
             flow_terms(cargo).basin,
-            state,
+            at_end.state,
             played.slosh_displacement[index, own],
             played.slosh_velocity[index, own],
+            at_end.breaks_at,
         )
-        for (cargo, own), state in zip(followed, states, strict=True)
+        for (cargo, own), at_end in zip(followed, states, strict=True)
     }

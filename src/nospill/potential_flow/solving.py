@@ -67,7 +67,7 @@ def whole_flow(terms: LinearTerms, start: np.ndarray, rows: np.ndarray, step: fl
     return runge_kutta(lambda state, row: full_flow(terms, state, row, room), start, rows, step, holds=holds)
 
 
-def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> np.ndarray:
+def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
     """States (c, 2, J) of the full flow at the end of a motion that c like containers begin at rest.
 
     Args:
@@ -76,9 +76,10 @@ def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> np.ndarray:
         step: s.
 
     Returns:
-        NaN for a container whose flow breaks down.
+        Them, NaN for a container whose flow breaks down, and the steps (c,) that each goes through.
     """
     state = np.zeros((rows.shape[2], 2, len(terms.stiffness)))
+    reached = np.full(len(state), rows.shape[1] // 2)
     modes, highest = terms.basin.modes, greatest_height(terms.basin)
     room = room_of(terms.basin, len(state))
 
@@ -88,15 +89,15 @@ def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> np.ndarray:
     with np.errstate(invalid="ignore"):
         for first in range(0, rows.shape[1] - 1, 2 * _CHECKED):
             part = rows[:, first : first + 2 * _CHECKED + 1]
-            always = runge_kutta(
-                lambda now, row: full_flow(terms, now, row, room), state, part, step, holds=lambda _: True
-            )
-            state = always[-1]
-            high = np.max(np.abs(state[:, 0] @ modes.shape.T), axis=1)
-            state[~(high < highest)] = np.nan
-            if np.all(np.isnan(state)):
+            states = runge_kutta(rate, state, part, step, holds=lambda _: True)
+            holds = np.max(np.abs(states[:, :, 0] @ modes.shape.T), axis=2) < highest
+            lost = ~np.all(holds, axis=0)
+            through = np.maximum(first // 2 + np.argmin(holds, axis=0) - 1, 0)
+            reached = np.where(lost, np.minimum(reached, through), reached)
+            state = np.where(lost[:, None, None], np.nan, states[-1])
+            if np.all(lost):
                 break
-    return state
+    return state, reached
 
 
 def greatest_height(basin: Basin) -> float:

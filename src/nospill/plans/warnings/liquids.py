@@ -7,8 +7,10 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from nospill.certification.flow_left import left_by_flow
 from nospill.core.units import format_quantity
 from nospill.errors import ModelError
+from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
@@ -97,6 +99,22 @@ def driven_by_turns(facts: Facts) -> Iterator[PlanWarning]:
                 "first; see nospill verify DIR --water, and try a smaller motion.max_tilt or a longer motion.duration."
             )
             yield PlanWarning("driven by turns", row.subject, text, row.worst_value / linear, MOST_OVER_LINEAR)
+
+
+def flow(facts: Facts) -> Iterator[PlanWarning]:
+    """The nonlinear flow that judges what is left breaks down: the row is over its limit by no height of a liquid."""
+    rows = facts.judgement.certificate.rows
+    over = {row.subject for row in rows if row.constraint == ResidualHeight.name and not row.ok}
+    if not over or facts.scene.motion.residual_height != "nonlinear":
+        return
+    for name, left in left_by_flow(facts.scene, facts.judgement.replay, -1).items():
+        if left.breaks_at is not None and name in over:
+            text = (
+                f"the flow of the liquid breaks down at {left.breaks_at:.2f} s, so what is left of it is not known and "
+                f"counts as {_mm(left.highest)}; try a smaller max_slosh_height, a longer motion.duration or "
+                'motion.residual_height = "second order".'
+            )
+            yield PlanWarning("flow", name, text, left.breaks_at)
 
 
 def sloping_wall(facts: Facts) -> Iterator[PlanWarning]:
