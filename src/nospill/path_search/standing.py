@@ -15,6 +15,7 @@ import numpy as np
 
 from nospill.collisions.along_path import Nearness, freest_of_arm
 from nospill.collisions.pairs import scene_pairs
+from nospill.core.units import quantity
 from nospill.errors import REST, Change, NoSolutionError, ScenarioError
 from nospill.laws.constraints.clearance import Clearance
 from nospill.path_search.branches import are_clear, free_paths
@@ -33,6 +34,8 @@ _HIGHER = np.array([0.02, 0.04, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2, 0.25, 0.3])
 _TURNS = np.radians([15, -15, 30, -30, 45, -45, 60, -60, 90, -90, 120, -120, 150, -150, 180])
 _MOVED = tuple(sign * size for size in (0.1, 0.2, 0.3, 0.4) for sign in (1.0, -1.0))
 """m; by which the arm's base may stand lower or higher."""
+_AWAY = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
+"""m; by which an end of the path may stand farther from the base's axis or higher."""
 _SPARSE, _TRIED = 12, 40
 """Every so many positions of a seventh joint are looked at, before all are, and where a change is tried."""
 _FOLLOWED = 3
@@ -110,7 +113,8 @@ def advice_on(subject: str, changes: tuple[Change, ...]) -> str:
     return (
         f"move the path, or keep {subject} apart otherwise: neither "
         f"a tray up to {1e3 * _HIGHER[-1]:.0f} mm farther from the flange, nor "
-        f"another yaw of the path, nor a base up to {1e3 * max(_MOVED):.0f} mm lower or higher helps by itself"
+        f"another yaw of the path, nor an end up to {1e3 * _AWAY[-1]:.0f} mm farther out or higher, "
+        f"nor a base up to {1e3 * max(_MOVED):.0f} mm lower or higher helps by itself"
     )
 
 
@@ -122,8 +126,8 @@ def helpful_moves(scene: Scene) -> Iterator[Change]:
         if change is not None:
             found = True
             yield change
-    if not found:
-        change = _first_helpful(scene, _base_shifts(scene))
+    for kind in () if found else (_end_shifts, _base_shifts):
+        change = _first_helpful(scene, kind(scene))
         if change is not None:
             yield change
 
@@ -168,6 +172,32 @@ def _path_turns(scene: Scene) -> Iterator[Change]:
             yield Change.of_limit(Clearance.name, "tray", "path.yaw", values, text)
 
 
+def _end_shifts(scene: Scene) -> Iterator[Change]:
+    """Places of the one end that is blocked, farther out or higher, likewise; of lines and free paths."""
+    table, poses = scene.source["path"], _end_poses(scene)
+    of_kind = {"line": ("start", "end"), "free": ("start.position", "goal.position")}
+    blocked = [index for index, s in enumerate(_ENDS.values()) if not _stands_free_at(scene, poses[index], s)]
+    if len(blocked) != 1 or table["type"] not in of_kind:
+        return
+    end, key = blocked[0], of_kind[table["type"]][blocked[0]]
+    name, _, inner = key.partition(".")
+    at = table[name].get(inner) if inner else table[name]
+    radius = float(np.hypot(*poses[end, :2]))
+    if at is None or radius == 0.0:  # stated by joints, or above the base's axis
+        return
+    outwards = np.append(poses[end, :2] / radius, 0.0)
+    for away in _AWAY:
+        for step, where in ((away * outwards, "farther out"), (np.array([0.0, 0.0, away]), "higher")):
+            if not _stands_free_at(scene, poses[end] + np.append(step, 0.0), float(end)):
+                continue
+            # to whole millimetres, as it is shown
+            position = np.round(np.array([quantity(value, "length") for value in at]) + step, 3)
+            text = f"path.{key} = {_lengths(position)}, {1e3 * away:.0f} mm {where}"
+            change = Change.of_limit(Clearance.name, "path", f"path.{key}", position.tolist(), text)
+            if _stands_free_with(scene, change):
+                yield change
+
+
 def _base_shifts(scene: Scene) -> Iterator[Change]:
     """Heights of the base, likewise."""
     base = scene.source["robot"].get("base_position", [0.0, 0.0, 0.0])
@@ -186,6 +216,11 @@ def _stands_free_on(scene: Scene, change: Change, lower: float) -> bool:
     """`_stands_free` with the base lower, m: without surroundings that is the path as much higher."""
     if not scene.has_surroundings:
         return _stands_free(scene, _end_poses(scene) + np.array([0.0, 0.0, lower, 0.0]))
+    return _stands_free_with(scene, change)
+
+
+def _stands_free_with(scene: Scene, change: Change) -> bool:
+    """`_stands_free` of the scene with a change."""
     try:
         changed = scene.changed(change.values)
     except ScenarioError:  # another limit of the scenario is in the way
@@ -200,12 +235,14 @@ def _end_poses(scene: Scene) -> np.ndarray:
 
 def _stands_free(scene: Scene, poses: np.ndarray) -> bool:
     """Whether at both poses (2, 4) of the tray some configuration is clear of the arm, its load and the obstacles."""
-    for s, pose in zip(_ENDS.values(), poses, strict=True):
-        q = _configurations(scene, pose, s, _TRIED)
-        found = freest_of_arm(scene, q, s) if len(q) else None
-        if found is None or found.slack < 0.0:
-            return False
-    return True
+    return all(_stands_free_at(scene, pose, s) for s, pose in zip(_ENDS.values(), poses, strict=True))
+
+
+def _stands_free_at(scene: Scene, pose: np.ndarray, s: float) -> bool:
+    """The same at the pose (4,) of one end."""
+    q = _configurations(scene, pose, s, _TRIED)
+    found = freest_of_arm(scene, q, s) if len(q) else None
+    return found is not None and found.slack >= 0.0
 
 
 def _configurations(scene: Scene, pose: np.ndarray, s: float, every: int) -> np.ndarray:
