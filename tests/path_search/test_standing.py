@@ -53,12 +53,21 @@ def test_a_start_that_no_configuration_holds_is_refused_with_advice_that_helps(c
         assert least_by_coal(changed, 0.0) >= 0.0
 
 
-def test_the_end_that_is_blocked_is_moved_where_no_other_tray_or_yaw_helps(changed_scene) -> None:
-    path = {"type": "free", "start": {"position": ["270 mm", "-0.03 m", 0.23]}, "goal": {"position": [0.5, 0.3, 0.3]}}
+@pytest.mark.parametrize(
+    ("path", "key"),
+    [
+        (
+            {"type": "free", "start": {"position": ["270 mm", "-0.03 m", 0.23]}, "goal": {"position": [0.5, 0.3, 0.3]}},
+            "path.start.position",
+        ),
+        ({**OVER_THE_SHOULDER, "end": [0.6, 0.3, 0.4]}, "path.start"),
+    ],
+)
+def test_the_end_that_is_blocked_is_moved_where_no_other_tray_or_yaw_helps(changed_scene, path, key: str) -> None:
     scene = scene_of(changed_scene, path)
     with pytest.raises(ScenarioError, match="where it starts") as caught:
         require_standing_room(scene)
-    (moved,) = (change for change in caught.value.changes if "path.start.position" in change.values)
+    (moved,) = (change for change in caught.value.changes if key in change.values)
     changed = scene.changed(moved.values)
     require_standing_room(changed)
     assert least_by_coal(changed, 0.0) >= 0.0
