@@ -126,5 +126,5 @@ def test_where_their_problem_has_no_answer_smoothness_stills_them(monkeypatch: p
     scene = load("bracket-tray")
     one = {"cargo": scene.source["cargo"][:1], "planning.intervals": 20, "planning.slosh_modes": 3}
     found = plan(scene.changed(_NONLINEAR | one))
-    assert tried[0] and not tried[-1] and found.certificate.ok
+    assert any(tried) and not tried[-1] and found.certificate.ok
     assert "by smoothness" in found.report.fallbacks[0]

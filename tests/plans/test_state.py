@@ -198,6 +198,7 @@ def test_heights_from_a_state_are_those_of_the_whole_motion_with_as_many_modes(
     whole = _heights(judge_motion(plan.trajectory, scene))
     left = _heights(judge_motion(state.rest, beginning_in(scene, state)))
     then = np.searchsorted(whole.t, left.t + state.t - 1e-9)
+    assert whole.linear is not None
     assert np.max(np.abs(whole.value[then] - whole.linear[then])) > 1e-4
     np.testing.assert_allclose(left.value, whole.value[then], atol=1e-6)
 
