@@ -43,7 +43,7 @@ from nospill.stopping.tightening import broken, faded, gentler, tightened
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.margins_along import Margin
 from nospill.transcription.solvers import solve
-from nospill.transcription.solvers.options import LOOSE, SolveOptions
+from nospill.transcription.solvers.options import SolveOptions, Tolerances
 from nospill.transcription.solvers.solution import Solution
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import motion_to_rest
@@ -54,7 +54,13 @@ _TIGHTENED = 16
 """How often back-off and margins are raised; what is nearly certified is solved again in a few steps."""
 _OF_SUM = 0.3
 """First back-off of a residual height of several modes: the judge sums them, the optimiser adds their squares."""
-_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 80, 250, 30.0
+_MODES = 2
+"""Most modes of a liquid in the problem of a stop: with three an iteration takes half as long again."""
+_BACKOFF_KEPT = 0.8
+"""Part of the back-off beyond the first one with which the stop from the next instant begins: all of it never fell."""
+_TOLERANCES = Tolerances(stationarity=5e-3, violation=5e-5, complementarity=5e-6, linear_system=1e-6, refinements=0)
+"""Every answer is judged, and tightened where need be: the last iterations shorten it by parts in 10,000."""
+_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 80, 150, 30.0
 _SWINGS_ON = 1.0
 """s after the end, over which every limit is judged: three swings of a liquid of 35 mm, and the highest are first."""
 _SAME = 1e-3
@@ -100,9 +106,10 @@ def stop_from(
         plan: certified.
         state: of the plan.
         joint_path: the arm's way along the path.
-        before: the stop from the instant before, from which this one is solved first.
+        before: the stop from the instant before, from which this one is solved.
         residual: how high liquids may swing on, over max_slosh_height.
-        afresh_above: s, duration of the stop found so from which one is looked for from afar too, the faster is taken.
+        afresh_above: s, duration of the stop found so from which one is looked for from afar too, the faster is taken;
+            with 0 that comes first, and the stop before is followed only as long as that may be sooner.
         lead: the state `splices.BEFORE` samples earlier, from which on plan and stop are judged together too.
 
     Returns:
@@ -111,11 +118,15 @@ def stop_from(
     began, left = time.perf_counter(), plan.duration - state.t
     scene = stopping_scene(plan.scene, state, residual)
     splice = lead and Splice(plan.trajectory, state.t, lead, stopping_scene(plan.scene, lead, residual))
-    found = None if before is None else _following(scene, state, before, left, splice)
-    if found is None or found.stop.duration > afresh_above:
-        other = found_from_afar(scene, state, joint_path, left, splice)
-        if found is None or (other is not None and other.stop.duration < found.stop.duration):
-            found = other
+    found, sooner = None, _SOONER * left
+    if before is None or afresh_above <= 0.0:
+        found = found_from_afar(scene, state, joint_path, left, sooner, splice)
+    if before is not None:
+        most = left if found is None else found.stop.duration
+        found = _following(scene, state, before, most, splice) or found
+        if afresh_above > 0.0 and (found is None or found.stop.duration > afresh_above):
+            most = sooner if found is None else min(found.stop.duration, sooner)
+            found = found_from_afar(scene, state, joint_path, left, most, splice) or found
     seconds = time.perf_counter() - began
     bound = bound_of(scene, state)
     if found is None or found.stop.duration > _SOONER * left:
@@ -151,15 +162,22 @@ def stopping_scene(scene: Scene, state: MotionState, residual: float = 1.0) -> S
 
 
 def found_from_afar(
-    scene: Scene, state: MotionState, joint_path: JointPath, left: float, splice: Splice | None = None
+    scene: Scene,
+    state: MotionState,
+    joint_path: JointPath,
+    left: float,
+    most: float | None = None,
+    splice: Splice | None = None,
 ) -> Found | None:
     """The first certified stop that is found from smooth motions, at most as long as `left`, s; None where none is.
 
-    Where objects stay in none of those that the equations of the scene give, it is solved by the whole physics.
+    Where objects stay in none of those that the equations of the scene give, it is solved by the whole physics. What
+    takes longer than `most`, s, is given up before it is certified; that is `left` by default.
     """
-    found = _from_smooth_motions(scene, scene.fidelity, state, joint_path, left, splice)
+    most = left if most is None else most
+    found = _from_smooth_motions(scene, scene.fidelity, state, joint_path, left, most, splice)
     if found is not None and not found.stays:
-        found = _from_smooth_motions(scene, "full", state, joint_path, left, splice)
+        found = _from_smooth_motions(scene, "full", state, joint_path, left, most, splice)
     return found if found is not None and found.stays else None
 
 
@@ -169,7 +187,8 @@ def _from_smooth_motions(
     state: MotionState,
     joint_path: JointPath,
     left: float,
-    splice: Splice | None = None,
+    most: float,
+    splice: Splice | None,
 ) -> Found | None:
     """The first certified stop whose objects stay, by problems of some fidelity; where none is the last certified one.
 
@@ -181,22 +200,27 @@ def _from_smooth_motions(
         active = _first(task, state)
         first = _solved(active, start, None)
         duration = first.stages.duration
-        if not first.converged or duration > left or any(abs(duration / other - 1.0) < _SAME for other in known):
+        if not first.converged or duration > most or any(abs(duration / other - 1.0) < _SAME for other in known):
             continue
         known.append(duration)
-        found = _certified(scene, state, active, first, left, splice)
+        found = _certified(scene, state, active, first, most, splice)
         if found is not None and found.stays:
             return found
         last = found or last
     return last
 
 
-def _following(scene: Scene, state: MotionState, before: Found, left: float, splice: Splice | None) -> Found | None:
-    """The certified stop that is found from another one, by the same equations; None where none is."""
-    active = _first(Task.of(replace(scene, fidelity=before.fidelity)), state).with_backoff(before.backoff)
-    active = replace(active, margins=faded(before.margins))
+def _following(scene: Scene, state: MotionState, before: Found, most: float, splice: Splice | None) -> Found | None:
+    """The certified stop that is found from another one, by the same equations, and takes at most so long, s."""
+    active = _first(Task.of(replace(scene, fidelity=before.fidelity)), state)
+    known = {
+        row: first + _BACKOFF_KEPT * (before.backoff[row] - first)
+        for row, first in active.backoff.items()
+        if row in before.backoff
+    }
+    active = replace(active.with_backoff(known), margins=faded(before.margins))
     solution = _solved(active, before.solution.stages, before.solution)
-    found = _certified(scene, state, active, solution, left, splice)
+    found = _certified(scene, state, active, solution, most, splice)
     return found if found is not None and found.stays else None
 
 
@@ -219,9 +243,10 @@ def _from_afar(task: Task, state: MotionState, joint_path: JointPath, left: floa
 
 
 def _first(task: Task, state: MotionState) -> ActiveSet:
-    """What takes part, with its first back-off: every liquid with the modes that the optimiser carries."""
+    """What takes part, with its first back-off: every liquid with the modes that a stop's problem carries."""
     refined = frozenset(liquid_names(task.scene) if task.scene.planned_modes > 1 else ())
-    active = ActiveSet.of(task, state.rest.joint_position, refined=refined)
+    modes = min(_MODES, task.scene.planned_modes)
+    active = ActiveSet.of(task, state.rest.joint_position, refined=refined, modes=modes)
     sums = {row: _OF_SUM for row in active.possible if row.constraint == ResidualHeight.name and refined}
     return active.with_backoff(sums)
 
@@ -231,7 +256,7 @@ def _solved(active: ActiveSet, start: Stages, warm: Solution | None) -> Solution
     options = SolveOptions(
         max_iterations=_COLD_ITERATIONS if warm is None else _WARM_ITERATIONS,
         max_time=_MOST_TIME,
-        tolerances=LOOSE,
+        tolerances=_TOLERANCES,
         kkt_error_globalization=warm is not None,
         barrier_start=None if warm is not None else 1e-2,
         bound_push=5e-4 if warm is not None else 1e-3,
@@ -241,7 +266,7 @@ def _solved(active: ActiveSet, start: Stages, warm: Solution | None) -> Solution
 
 
 def _certified(
-    scene: Scene, state: MotionState, active: ActiveSet, solution: Solution, left: float, splice: Splice | None
+    scene: Scene, state: MotionState, active: ActiveSet, solution: Solution, most: float, splice: Splice | None
 ) -> Found | None:
     """The stop that follows from an answer, its back-off raised until it is certified; None where that fails.
 
@@ -250,11 +275,11 @@ def _certified(
         state: from which it begins.
         active: of the problem that is answered, by the equations of the scene or by the whole physics.
         solution: its answer.
-        left: s, that it may take at most.
+        most: s, that it may take at most: back-off makes it longer, so that what already takes longer is given up.
         splice: where it takes over from the plan; None where no motion leads there.
     """
     for _ in range(_TIGHTENED):
-        if not solution.converged or solution.stages.duration > left:
+        if not solution.converged or solution.stages.duration > most:
             return None
         judged = _exported(active.scene, scene, solution.stages)
         if judged is None:
@@ -265,7 +290,7 @@ def _certified(
             stop = Stop(
                 t=state.t,
                 duration=record.end_time,
-                left=left,
+                left=state.rest.end_time,
                 end=float(record.s[-1]),
                 origin="solved",
                 nearest=describe(judgement.certificate.worst),

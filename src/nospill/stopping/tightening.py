@@ -27,6 +27,8 @@ from nospill.transcription.margins_along import Margin
 
 _MORE, _MOST_BACKOFF = 0.005, 0.9
 """Back-off beyond what the judge found, and the most of it."""
+_AFTER_END = 1.5
+"""Power of the use by which what swings on after the end falls: the waves of second order fall more slowly."""
 _EARLY, _AT_START = 0.12, np.array([1.0, 1.0, 0.0])
 """Part of a stop up to which a row that breaks is tightened there alone, and how that fades."""
 _JERKS = (PathJerk.name, TiltJerk.name)
@@ -87,7 +89,8 @@ def tightened(active: ActiveSet, over: Mapping[RowId, tuple[float, float]], judg
     known = (over.keys() & backoff.keys()) - waves.keys()
     for key in known:
         use, share = over[key]
-        more = 1.0 - (1.0 - backoff[key]) / use + _MORE
+        power = _AFTER_END if key.constraint == ResidualHeight.name else 1.0
+        more = 1.0 - (1.0 - backoff[key]) / use**power + _MORE
         if share <= _EARLY:
             kept = margins[key].kept[0] if key in margins else 0.0
             margins[key] = Margin(np.array([0.0, _EARLY, 1.5 * _EARLY]), (kept + use - 1.0 + _MORE / 2) * _AT_START)
@@ -152,10 +155,25 @@ def _of_waves(active: ActiveSet, judgement: Judgement) -> tuple[dict[RowId, Marg
                 continue
             last = active.margins.get(row)
             kept = first if last is None else np.interp(share, last.share, last.kept) + more
+            if last is not None:
+                kept = np.maximum(kept, _binding(active.backoff[row], last, trace, part) + more)
             found[row] = Margin(share, np.minimum(kept, _MOST_KEPT))
             if last is not None and scale < 1.0 and _is_free(active.backoff[row], last, trace, judgement.end_time):
                 driven[row] = scale
     return found, driven
+
+
+def _binding(backoff: float, margin: Margin, trace: Trace, part: np.ndarray) -> np.ndarray:
+    """Of each share the margin with which a height that is too high there begins to bind; 0 where it binds or is free.
+
+    Less of it would be a round in which nothing changes.
+    """
+    assert trace.linear is not None
+    share = np.linspace(0.0, 1.0, _SHARES + 1)
+    own = _greatest(part, np.abs(trace.linear / trace.limit)) / (1.0 - backoff)
+    over = _greatest(part, np.maximum(trace.use - 1.0, 0.0)) > 0.0
+    loose = 1.0 - own - np.interp(share, margin.share, margin.kept)
+    return np.where(over & (loose > 0.0) & (loose < _FREE), 1.0 - own, 0.0)
 
 
 def _is_free(backoff: float, margin: Margin, trace: Trace, end_time: float) -> bool:
