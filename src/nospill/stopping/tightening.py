@@ -42,6 +42,8 @@ _STRONGER, _MOST_STEP, _AROUND = 1.3, 0.1, 2
 """By what of a height's excess they grow, at most at once, and on how many shares about it."""
 _FREE = 0.1
 """Part of a limit by which a linear height is below what a margin leaves it where more of that would change nothing."""
+_SLIGHTLY = 0.03
+"""Part of a limit by which a height is too high at most where a margin has to bind: more of it is driven by others."""
 _FADES, _FADES_AT_START = 0.9, 0.97
 """Of the margins of waves, and of those at the beginning, that the stop from the next instant begins with."""
 
@@ -164,14 +166,15 @@ def _of_waves(active: ActiveSet, judgement: Judgement) -> tuple[dict[RowId, Marg
 
 
 def _binding(backoff: float, margin: Margin, trace: Trace, part: np.ndarray) -> np.ndarray:
-    """Of each share the margin with which a height that is too high there begins to bind; 0 where it binds or is free.
+    """Of each share the margin with which a height slightly too high there begins to bind; 0 where it binds or is free.
 
     Less of it would be a round in which nothing changes.
     """
     assert trace.linear is not None
     share = np.linspace(0.0, 1.0, _SHARES + 1)
     own = _greatest(part, np.abs(trace.linear / trace.limit)) / (1.0 - backoff)
-    over = _greatest(part, np.maximum(trace.use - 1.0, 0.0)) > 0.0
+    excess = _greatest(part, np.maximum(trace.use - 1.0, 0.0))
+    over = (excess > 0.0) & (excess < _SLIGHTLY)
     loose = 1.0 - own - np.interp(share, margin.share, margin.kept)
     return np.where(over & (loose > 0.0) & (loose < _FREE), 1.0 - own, 0.0)
 
