@@ -58,7 +58,7 @@ _MODES = 2
 """Most modes of a liquid in the problem of a stop: with three an iteration takes half as long again."""
 _BACKOFF_KEPT = 0.8
 """Part of the back-off beyond the first one with which the stop from the next instant begins: all of it never fell."""
-_TOLERANCES = Tolerances(stationarity=5e-3, violation=5e-5, complementarity=5e-6, linear_system=1e-6, refinements=0)
+_TOLERANCES = Tolerances(stationarity=1e-3, violation=1e-5, complementarity=5e-6, linear_system=1e-6, refinements=0)
 """Every answer is judged, and tightened where need be: the last iterations shorten it by parts in 10,000."""
 _WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 80, 150, 30.0
 _SWINGS_ON = 1.0
