@@ -26,9 +26,9 @@ def test_an_answer_that_takes_too_long_is_not_judged(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(solving, "_exported", judged)
     answer: Any = SimpleNamespace(converged=True, stages=SimpleNamespace(duration=0.5))
     nothing: Any = SimpleNamespace(scene=None)
-    assert solving._certified(nothing, nothing, nothing, answer, left=1.0, most=0.49) is None
+    assert solving._certified(nothing, nothing, nothing, answer, most=0.49, splice=None) is None
     with pytest.raises(AssertionError, match="judged"):
-        solving._certified(nothing, nothing, nothing, answer, left=1.0, most=0.51)
+        solving._certified(nothing, nothing, nothing, answer, most=0.51, splice=None)
 
 
 @pytest.mark.parametrize(
@@ -46,11 +46,11 @@ def test_each_way_of_search_is_followed_as_long_as_it_may_be_sooner(
 ) -> None:
     asked: list[str] = []
 
-    def from_afar(_: object, __: object, ___: object, ____: float, most: float) -> Any:
+    def from_afar(_: object, __: object, ___: object, ____: float, most: float, *splice: object) -> Any:
         asked.append(f"afar {most:.2f}")
         return _stop(0.4)
 
-    def follow(_: object, __: object, ___: object, most: float) -> Any:
+    def follow(_: object, __: object, ___: object, most: float, *splice: object) -> Any:
         asked.append(f"following {most:.2f}")
         return None if following is None else _stop(following)
 
