@@ -50,6 +50,15 @@ def test_numbers_beyond_what_is_plausible(place: str, value: Any, told: str) -> 
         load(changed_table(TABLE, {place: value}))
 
 
+def test_a_liquid_that_is_deeper_than_the_slosh_model_takes_is_refused() -> None:
+    tube = {"name": "tube", "at": [0.0, 0.0], "shape": "test-tube", "radius": "0.16 mm", "base_radius": "12 mm"}
+    tube |= {"height": "100 mm", "liquid": "water", "liquid_height": "60 mm", "max_slosh_height": "1 mm"}
+    with pytest.raises(
+        ScenarioError, match=r"375 times as deep as the widest radius of its vessel, 0\.16 mm; .* up to 100"
+    ):
+        load(TABLE | {"cargo": [tube | {"empty_mass": "20 g"}]})
+
+
 @pytest.mark.parametrize(
     ("place", "value"),
     [

@@ -19,6 +19,8 @@ _ACROSS = 12
 """Elements across the widest radius where nothing asks for more."""
 _CLEAR = 0.62
 """Distances from the boundary within which no inner node is put."""
+_DEEPEST = 100.0
+"""Largest depth over the widest radius: nodes are as many as that, and below a few radii nothing moves."""
 _TRIES = 8
 _FINE = 64
 """Places at which a piece's length is measured."""
@@ -51,8 +53,14 @@ def mesh_liquid(meridian: Meridian, level: float, surface_elements: int, *, refi
         refinement: how many times finer everything below is than it has to be.
 
     Raises:
-        ModelError: the region is too intricate.
+        ModelError: the region is too intricate, or too deep for its width.
     """
+    depth, widest = level - meridian.bottom, meridian.widest(level)
+    if depth > _DEEPEST * widest:
+        raise ModelError(
+            f"the liquid is {depth / widest:.0f} times as deep as the widest radius of its vessel, "
+            f"{1e3 * widest:.3g} mm; the slosh model takes up to {_DEEPEST:.0f}: a wider vessel or less liquid"
+        )
     spacing = _Spacing(meridian, level, surface_elements, refinement)
     pieces = meridian.wetted(level)
     density = np.ones(len(pieces))
@@ -158,7 +166,7 @@ def _quadratic(
     """Add the middles of the sides; on the boundary they lie on it."""
     count = len(ring) // 2
     sides = np.stack([triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])], axis=1)
-    edges, index = np.unique(np.sort(sides, axis=2).reshape(-1, 2), axis=0, return_inverse=True)
+    edges, index = np.unique(np.sort(sides, axis=2).reshape(-1, 2).astype(np.int64), axis=0, return_inverse=True)
     middles = points[edges].mean(axis=1)
     around = np.arange(count)
     ends = np.sort(np.column_stack([around, (around + 1) % count]), axis=1)
