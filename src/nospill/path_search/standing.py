@@ -113,8 +113,7 @@ def advice_on(subject: str, changes: tuple[Change, ...]) -> str:
     return (
         f"move the path, or keep {subject} apart otherwise: neither "
         f"a tray up to {1e3 * _HIGHER[-1]:.0f} mm farther from the flange, nor "
-        f"another yaw of the path, nor an end up to {1e3 * _AWAY[-1]:.0f} mm farther out or higher, "
-        f"nor a base up to {1e3 * max(_MOVED):.0f} mm lower or higher helps by itself"
+        f"another yaw of the path, nor a base up to {1e3 * max(_MOVED):.0f} mm lower or higher helps by itself"
     )
 
 

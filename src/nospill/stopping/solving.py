@@ -117,7 +117,9 @@ def stop_from(
     """
     began, left = time.perf_counter(), plan.duration - state.t
     scene = stopping_scene(plan.scene, state, residual)
-    splice = lead and Splice(plan.trajectory, state.t, lead, stopping_scene(plan.scene, lead, residual))
+    splice = None
+    if lead is not None:
+        splice = Splice(plan.trajectory, state.t, lead, stopping_scene(plan.scene, lead, residual))
     found, sooner = None, _SOONER * left
     if before is None or afresh_above <= 0.0:
         found = found_from_afar(scene, state, joint_path, left, sooner, splice)
