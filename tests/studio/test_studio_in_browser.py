@@ -278,6 +278,8 @@ def drawn_along_y(page: Any, session: Session, first: float, last: float) -> boo
     A busy page has not drawn the arrows yet, or takes hold of one late and moves it by less.
     """
     before = session.draft.obstacles[0]["at"]
+    camera = session.camera
+    position, middle = np.array(camera.position), np.array(camera.look_at)
     begin, end = (on_screen(page, session, np.array([0.86, y, 0.45])) for y in (first, last))
     page.mouse.move(*begin)
     page.wait_for_timeout(300)
@@ -293,6 +295,8 @@ def drawn_along_y(page: Any, session: Session, first: float, last: float) -> boo
     if session.draft.obstacles[0]["at"] != before:
         press(page, "Undo")
         until(page, lambda: session.draft.obstacles[0]["at"] == before, "the column to be back")
+    # A mouse that takes hold of no arrow turns the camera, and from elsewhere the arrow may be hidden.
+    camera.position, camera.look_at = position, middle
     return False
 
 
