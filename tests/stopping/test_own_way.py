@@ -11,7 +11,6 @@ import pytest
 import nospill as ns
 from nospill.certification.path_deviation import nearest_on
 from nospill.core.attitudes import matrices, yaw_of
-from nospill.errors import ScenarioError
 from nospill.plans.plan import Plan
 from nospill.plans.state import states_of
 from nospill.plans.stops import stopped
@@ -74,8 +73,3 @@ def test_stops_along_the_way_are_certified_with_the_plan_before_them(gentle_plan
     at_end = {"still at the end"}  # of a published plan; a stop may swing on
     assert not [row.label for row in certificate.rows if not row.ok and row.constraint not in at_end]
     assert nearest_on(plan.scene.path, own.trajectory.tray_position)[1].max() < 1e-4
-
-
-def test_a_state_of_such_a_plan_is_refused_and_its_stops_are_named(gentle_plan: Callable[[str, int], Plan]) -> None:
-    with pytest.raises(ScenarioError, match="nospill stops DIR"):
-        _leaving(gentle_plan("matrix-liquid-soft-end", 1)).state_at(2.4)

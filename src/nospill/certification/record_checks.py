@@ -232,7 +232,9 @@ def _path_traces(planned: np.ndarray, scene: Scene, played: Replay) -> list[Trac
         traces.insert(0, limit_trace("path position", "tray", "m", POSITION_TOLERANCE, played.t, position))
     if rules.corridor is None and not rules.yaw_free:
         return traces
-    both, ends, none = [0, -1], scene.path.at([0.0, 1.0]), np.zeros(2)
+    # a motion that goes on from another one begins wherever that one is
+    both, s = ([0, -1], [0.0, 1.0]) if scene.initial_state is None else ([-1], [1.0])
+    ends, none = scene.path.at(s), np.zeros(len(s))
     error = _pose_error(played, ends[:, :3], matrices(tray_quaternions(ends[:, 3], none, none)), both)
     return [
         *traces,

@@ -214,8 +214,13 @@ def _before(trajectory: Trajectory, scene: Scene) -> tuple[np.ndarray | None, np
     tilt = (trajectory.tilt, trajectory.tilt_rate, trajectory.tilt_acceleration)
     along = (trajectory.s, trajectory.s_rate, trajectory.s_acceleration)
     joints = (trajectory.joint_position, trajectory.joint_speed, trajectory.joint_acceleration)
-    beside = [part[0] for part in tilt] if scene.motion.tilt_free else [np.zeros(0)] * 3
-    progress = [np.append(part[0], own) for part, own in zip(along, beside, strict=True)]
+    rules, state = scene.motion, scene.initial_state
+    if rules.leaves_path:
+        assert state is not None  # it says how the tray moves beside its path
+        progress = list(state.chains(tilt=rules.tilt_free, offset=rules.corridor is not None, yaw=rules.yaw_free).T)
+    else:
+        beside = [part[0] for part in tilt] if rules.tilt_free else [np.zeros(0)] * 3
+        progress = [np.append(part[0], own) for part, own in zip(along, beside, strict=True)]
     chains, arm = (
         value + since * rate + since**2 / 2 * change for value, rate, change in (progress, [part[0] for part in joints])
     )

@@ -39,6 +39,7 @@ from nospill.planning.members import (
     relaxed_by_order,
     tightened,
     uses_of,
+    without_ease,
 )
 from nospill.planning.second_order import by_modes, rougher, smoothed, with_room
 from nospill.planning.task import Task
@@ -62,9 +63,11 @@ from nospill.planning.tracking_margins import (
     rings_far,
     use_of_smoothness,
 )
+from nospill.planning.wave_margins import margins_of_waves
 from nospill.scene.scene import Scene
 from nospill.scene.variants import VariantId, labels
 from nospill.transcription.margins_along import Margin
+from nospill.transcription.problem import EASED
 
 _NEAR = 0.3
 """Rows with this part of their limit left, or less, are near it."""
@@ -287,23 +290,39 @@ class ActiveSet:
         if outside:
             return self.joined(self.members | outside, refined | {name for name, _ in outside if refined}, judgement)
         broken = self._within_ranges(list(self._on_members(row for row in rows if row.shortfall > 0.0)))
+        margins = self._of_waves(judgement)
+        crests = [row for row in broken if row.id in margins]
+        broken = [row for row in broken if row.id not in margins]
         backoff, joining = tightened(broken, self.rows, smooth.backoff, slack, self.crests)
+        if self.scene.initial_state is not None:
+            backoff = without_ease(broken, backoff, self.backoff, EASED * judgement.end_time)
         far = self._members.far_peaks(rows, judgement.replay.t)
         if far:
             return replace(self, backoff=backoff).joined(self.members | far, refined, judgement)
         backoff = shared_backoff(backoff, self.backoff, uses)
-        if not joining and backoff == self.backoff:
+        if not joining and not crests and backoff == self.backoff:
             return self
         # bodies that touch in spite of their planes have none where they do: more back-off would move nothing
         touching = {row.id for row in broken if row.worst_margin < 0.0} & self.rows & self.task.around_solids
         return replace(
             self,
-            rows=smooth.rows | joining,
+            rows=smooth.rows | joining | {row.id for row in crests},
             backoff=backoff,
+            margins={**self.margins, **margins} if crests else self.margins,
             excess=max(at_end.values(), default=1.0) - 1.0,
             crests=crests_of(broken, self.backoff),
             everywhere=self.everywhere | touching,
         )
+
+    def _of_waves(self, judgement: Judgement) -> dict[RowId, Margin]:
+        """What heights keep along a motion that goes on from a state for what the second order adds; else none."""
+        if self.scene.initial_state is None:
+            return {}
+        return margins_of_waves(self.backoff, self.margins, judgement, self.labels_of)[0]
+
+    def labels_of(self, subject: str) -> list[str]:
+        """What a subject of the certificate is called in the problem, each of its variants."""
+        return [label for (name, _), label in self.names.items() if name == subject] or [subject]
 
     @property
     def _driven(self) -> frozenset[str]:

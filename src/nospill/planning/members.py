@@ -34,6 +34,7 @@ from nospill.planning.tightening import (
 from nospill.planning.worst_speeds import adjacent_members, evenly, is_far, peaks
 from nospill.scene.cargo import Cargo
 from nospill.scene.variants import VariantId
+from nospill.transcription.problem import WIDER
 
 Crests = Mapping[RowId, tuple[float, float]]
 """Row of a height of second order -> its back-off in a problem, and the height of its answer over the limit."""
@@ -225,6 +226,21 @@ def tightened(
         elif key in raised:
             joining.add(key)
     return raised, frozenset(joining)
+
+
+def without_ease(
+    rows: Iterable[Row], backoff: Mapping[RowId, float], before: Mapping[RowId, float], until: float
+) -> dict[RowId, float]:
+    """Back-off of every row; what breaks where a motion from a state has wider rows gets half of what they are wider.
+
+    Args:
+        rows: that break their limits, by the names of the members.
+        backoff: of every row, for the next problem.
+        before: of the last problem.
+        until: s, to which rows are wider.
+    """
+    early = {row.id for row in rows if row.at_s < until} & before.keys()
+    return {row: max(value, (before[row] + WIDER) / 2) if row in early else value for row, value in backoff.items()}
 
 
 def crests_of(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, tuple[float, float]]:

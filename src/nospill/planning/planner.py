@@ -16,7 +16,6 @@ from nospill.core.blas_threads import one_blas_thread
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.laws.constraints.base import Constraint
 from nospill.laws.scene_parameters import structure_of
-from nospill.motion.trajectory import Trajectory
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.path_search.branches import require_free_ends
 from nospill.path_search.candidates import has_free_path
@@ -30,11 +29,24 @@ from nospill.planning.first_order import duration_change
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
 from nospill.planning.refinement import Judged, certify_by_refinement
-from nospill.planning.request import begun_in, earlier_plan, ignored_constraints, requested_scene
+from nospill.planning.request import (
+    begun_in,
+    earlier_plan,
+    ignored_constraints,
+    requested_scene,
+    rest_along,
+)
 from nospill.planning.search import PassageSearch, Search, find_motion, passage_searches, searcher
 from nospill.planning.task import Task
 from nospill.planning.tracking_margins import require_band
-from nospill.planning.warm_start import going_on, restart, restart_on_branch, start_off_path, what_is_left
+from nospill.planning.warm_start import (
+    going_elsewhere,
+    going_on,
+    restart,
+    restart_on_branch,
+    start_off_path,
+    what_is_left,
+)
 from nospill.planning.widest_range import range_reached
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
@@ -88,8 +100,7 @@ def plan(
     """
     scene, warm = begun_in(requested_scene(scene, constraints), start, stop=stop), earlier_plan(warm)
     ignored = ignored_constraints(ignore, scene)
-    rest = None if start is None else start.rest
-    return _plan(scene, warm=warm, rest=rest, last=None, ignore=ignored, progress=progress)[0]
+    return _plan(scene, warm=warm, start=start, last=None, ignore=ignored, progress=progress)[0]
 
 
 @one_blas_thread()
@@ -101,9 +112,9 @@ def _plan(
     last: Candidate | None,
     ignore: Collection[str],
     progress: OnProgress | None,
-    rest: Trajectory | None = None,
+    start: MotionState | None = None,
 ) -> tuple[Plan, Candidate]:
-    """`plan`, with the candidate that the next one may start from; `rest` is what is left of the motion before."""
+    """`plan`, with the candidate that the next one may start from."""
     require_ruckig_if_needed(scene)
     if scene.motion.stoppable is not None:
         raise ScenarioError(
@@ -130,8 +141,9 @@ def _plan(
     diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
     task = Task.of(scene, ignore)
     compared = warm is None and scene.motion.duration is None and not task.ignored
+    rest = rest_along(scene, start)
     left = what_is_left(task, rest, log) if rest is not None and compared else None
-    judged, instead = _first_certified(_offers(task, warm, rest, last, left, log), log)
+    judged, instead = _first_certified(_offers(task, warm, start, last, left, log), log)
     if left is not None and judged.trajectory.end_time > _AS_LONG * left.trajectory.end_time:
         judged, instead = left, REST_INSTEAD
     require_band(scene, judged.judgement, ended=log.out_of_time)
@@ -159,7 +171,7 @@ def _plan(
 def _offers(
     task: Task,
     warm: Plan | None,
-    rest: Trajectory | None,
+    begun: MotionState | None,
     last: Candidate | None,
     left: Judged | None,
     log: Log,
@@ -178,7 +190,7 @@ def _offers(
         yield from _warm(candidate, log)
         if candidate is not None and log.out_of_time:
             return
-    if warm is None and rest is not None and (candidate := going_on(task, rest, log)) is not None:
+    for candidate in _from_rest_of(task, begun, log) if warm is None and begun is not None else ():
         yield candidate
         if log.out_of_time:
             return
@@ -207,6 +219,15 @@ def _offers(
     yield find_motion(searches, log)
     if not log.out_of_time:
         yield find_motion(searches, log, PassageSearch.further)
+
+
+def _from_rest_of(task: Task, begun: MotionState, log: Log) -> Iterator[Candidate]:
+    """Solved from what is left of the motion before, bent where this one may leave its path and ends elsewhere."""
+    rest = rest_along(task.scene, begun)
+    if rest is None and task.scene.motion.corridor is not None and not task.scene.motion.stop:
+        yield from going_elsewhere(task, begun.rest, log)
+    elif rest is not None and (candidate := going_on(task, rest, log)) is not None:
+        yield candidate
 
 
 def _warm(candidate: Candidate | None, log: Log) -> Iterator[Candidate]:
@@ -267,7 +288,7 @@ def _first_certified(offers: Iterator[Candidate | Judged | NoSolutionError], log
                 return one, REST_INSTEAD if one.trajectory.in_motion else on_path_instead(why)
             judged.append(one)
             why = why or finding(one.judgement.certificate)
-            if one.candidate.active.task.ignored or one.candidate.active.margins:
+            if one.candidate.active.task.ignored or one.candidate.active.task.scene.tracking is not None:
                 break  # another start does not make an arm less late
     except NoSolutionError as error:
         failures.append(error)

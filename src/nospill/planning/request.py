@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
+import numpy as np
+
 from nospill.core.suggestions import nearest
 from nospill.errors import ScenarioError
 from nospill.laws.constraints import constrained, constraints_of
 from nospill.laws.constraints.base import Constraint
 from nospill.laws.constraints.slopes import require_slopes
+from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState, beginning_in
 from nospill.scenario import load
+from nospill.scenario.initial_state_entry import OFF_PATH
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 
@@ -51,6 +55,15 @@ def begun_in(scene: Scene, state: MotionState | None, *, stop: bool = False) -> 
             f"{type(state).__name__}"
         )
     return beginning_in(scene, state, stop=stop)
+
+
+def rest_along(scene: Scene, state: MotionState | None) -> Trajectory | None:
+    """What is left of the motion before, where the scene goes on along the same path to the same end; None else."""
+    if state is None or scene.initial_state is None:
+        return None
+    end = scene.path.at(1.0)[0, :3]
+    same = scene.initial_state.s == state.arm.s and np.linalg.norm(state.rest.tray_position[-1] - end) <= OFF_PATH
+    return state.rest if same else None
 
 
 def require_constraints(scene: Scene) -> None:

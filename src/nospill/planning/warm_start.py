@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+
+import numpy as np
 
 from nospill.certification.certificate import judge
 from nospill.errors import ModelError
@@ -22,7 +25,7 @@ from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers.options import BARRIERS, LOOSEST, Options, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import is_broken, slow_enough
-from nospill.transcription.trajectory_start import on_branch
+from nospill.transcription.trajectory_start import bent, on_branch
 
 _WARM: Options = {"kkt_error_globalization": True, "bound_push": 5e-4, "max_iterations": 50, "tolerances": LOOSEST}
 _SLOWED: Options = {**_WARM, "bound_push": 3e-3}
@@ -75,6 +78,17 @@ def going_on(task: Task, rest: Trajectory, log: Log) -> Candidate | None:
     active = _cautious(ActiveSet.of(task, rest.joint_position, refined=refined))
     active = replace(active, expected=rest.end_time)
     return _solve_again(active, start_from(active, rest, log), log, warm=None)
+
+
+def going_elsewhere(task: Task, rest: Trajectory, log: Log) -> Iterator[Candidate]:
+    """Solved from what is left of the motion before, bent to another goal, or followed by a motion to there."""
+    for afterwards in (False, True):
+        try:
+            candidate = going_on(task, bent(rest, task.scene, afterwards=afterwards), log)
+        except (ModelError, np.linalg.LinAlgError):
+            continue
+        if candidate is not None:
+            yield candidate
 
 
 def what_is_left(task: Task, rest: Trajectory, log: Log) -> Judged | None:

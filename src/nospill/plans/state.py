@@ -10,10 +10,13 @@ import numpy as np
 from nospill.errors import ScenarioError
 from nospill.motion.trajectory import SloshTrack, Trajectory
 from nospill.plans.swings import swing_table, swings_at, with_own_second_order
+from nospill.scenario.about_the_path import state_about, tray_of
+from nospill.scenario.initial_state_entry import OFF_PATH
 from nospill.scene.initial_state import InitialState
 from nospill.scene.scene import Scene
 from nospill.scene.swing import Swing
 
+_ALONG = ("s", "s_rate", "s_acceleration")
 STOP_INTERVALS = 25
 """Of the grid of a stop; where liquids are in the problem with several modes, which are faster, there are more."""
 
@@ -56,16 +59,16 @@ def states_of(record: Trajectory, scene: Scene, t: Sequence[float] | np.ndarray)
     Tray and joints are as recorded there, the liquids are integrated as for the certificate.
 
     Raises:
-        ScenarioError: a time is outside the motion, or as `require_known_state`.
+        ScenarioError: a time is outside the motion, or as `require_known_joints`.
         ModelError: the liquids cannot be integrated.
     """
     times = np.atleast_1d(record.require_times(t))
-    require_known_state(scene)
+    require_known_joints(scene)
     rows = np.rint((times - record.t[0]) * record.rate).astype(int)
     swings = swings_at(record, scene, record.t[rows], following=scene.cargo)
     swings = with_own_second_order(swings, record, scene, record.t[rows])
     return [
-        MotionState(float(record.t[row]), _recorded(record, row), own, rest_of(record, float(record.t[row])))
+        MotionState(float(record.t[row]), _recorded(record, scene, row), own, rest_of(record, float(record.t[row])))
         for row, own in zip(rows, swings, strict=True)
     ]
 
@@ -75,7 +78,7 @@ def beginning_in(scene: Scene, state: MotionState, *, stop: bool = False) -> Sce
 
     Args:
         scene: of the motion. Objects that the state does not know have liquids at rest.
-        state: of a plan on the same path, with the same objects.
+        state: of a plan with the same objects, on the same path, or on any where the tray may leave the scene's.
         stop: whether the motion may come to rest anywhere on the path; weights of smoothness, which would hold it back,
             are left out then, and the grid is that of stops.
 
@@ -87,25 +90,33 @@ def beginning_in(scene: Scene, state: MotionState, *, stop: bool = False) -> Sce
     swings = {
         f"cargo.{name}.initial_swing": swing_table(swing) for name, swing in state.swings.items() if name in known
     }
-    arm = {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(state.arm).items()}
+    arm = asdict(state.arm)
+    del arm["offset"], arm["turn"]  # they follow from the joints
+    on_the_way = dict[str, object]()
+    if scene.motion.leaves_path:
+        arm, on_the_way = _about_path(scene, state.arm, arm)
+    arm = {key: list(value) if isinstance(value, tuple) else value for key, value in arm.items()}
     weights = dict.fromkeys(("planning.path_jerk_weight", "planning.tilt_jerk_weight"))
     halting = {**weights, "planning.intervals": STOP_INTERVALS, "motion.stop": True}
-    return scene.changed({"initial_state": arm, **swings, **(halting if stop else {})})
+    return scene.changed({**on_the_way, "initial_state": arm, **swings, **(halting if stop else {})})
 
 
-def require_known_state(scene: Scene) -> None:
-    """Refuse a motion whose record does not say in which state the tray is at an instant of it.
+def _about_path(
+    scene: Scene, state: InitialState, keys: dict[str, object]
+) -> tuple[dict[str, object], dict[str, object]]:
+    """The keys of a state about a path that the tray may leave, and what changes of the path.
 
-    Raises:
-        ScenarioError: as `require_known_joints`, or the tray may leave its path.
+    A path whose way is open begins where the tray is, so that it is looked for from there. On any other one than the
+    state's own the place nearest to the tray counts.
     """
-    require_known_joints(scene)
-    if scene.motion.leaves_path:
-        raise ScenarioError(
-            f"{scene.name}: the tray may leave its path or turn on it, and a motion from the midst of the plan keeps "
-            "to its path; plan along a given path (not a free one), without corridor and with a given yaw. Stops along "
-            "its own way are found all the same: nospill stops DIR"
-        )
+    tray = tray_of(state, scene.robot, scene.tray.tool)
+    placeless = {key: value for key, value in keys.items() if key not in _ALONG}
+    path = scene.source["path"]
+    if path.get("type") == "free" and "way" not in path:
+        return placeless, {"path.start": {"position": tray[0, :3].tolist(), "yaw": float(tray[0, 3])}}
+    own = np.append(np.array(state.offset[0]), state.turn[0])
+    same = np.max(np.abs(scene.path.at(state.s)[0] + own - tray[0])) <= OFF_PATH
+    return (keys if same else placeless), {}
 
 
 def require_known_joints(scene: Scene) -> None:
@@ -126,14 +137,14 @@ def require_known_joints(scene: Scene) -> None:
         )
 
 
-def _recorded(trajectory: Trajectory, row: int) -> InitialState:
+def _recorded(trajectory: Trajectory, scene: Scene, row: int) -> InitialState:
     def pair(values: np.ndarray) -> tuple[float, float]:
         return float(values[row, 0]), float(values[row, 1])
 
     def joints(values: np.ndarray) -> tuple[float, ...]:
         return tuple(values[row].tolist())
 
-    return InitialState(
+    state = InitialState(
         s=float(trajectory.s[row]),
         s_rate=float(trajectory.s_rate[row]),
         s_acceleration=float(trajectory.s_acceleration[row]),
@@ -144,3 +155,6 @@ def _recorded(trajectory: Trajectory, row: int) -> InitialState:
         joint_speed=joints(trajectory.joint_speed),
         joint_acceleration=joints(trajectory.joint_acceleration),
     )
+    if not scene.motion.leaves_path:
+        return state
+    return state_about(state, True, scene.robot, scene.tray.tool, scene.path, scene.motion)[0]

@@ -19,7 +19,7 @@ def require_may_begin_in_motion(scenario: Scenario) -> None:
                 "motion.stop is stated without it; give the state to stop from, as plan.state_at(t) does"
             )
         return
-    rules, path = scenario.motion, scenario.path
+    rules = scenario.motion
     late = scenario.controller is not None and scenario.controller.is_late
     band = scenario.tolerance is not None and scenario.tolerance.has_band
     reasons = {
@@ -29,8 +29,6 @@ def require_may_begin_in_motion(scenario: Scenario) -> None:
         "motion.speed_range": (rules.speed_range is not None, "is of motions whose beginning is slower as well"),
         "[controller] with delay or lag": (late, "asks for the joints ahead of time, before the motion begins"),
         "tolerance.tracking": (band, "is about joints that were late before the motion too, which nothing knows"),
-        "path.corridor": (path.width is not None, "leaves open where beside the path the tray is"),
-        "a yaw of the path that is free": (path.yaw_free, "leaves open how the tray is turned"),
         "robot.base_yaw": (scenario.robot.base_yaw == FREE, "is to be chosen, and the joints are in motion"),
     }
     for key, (stated, why) in reasons.items():

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
-from nospill.core.attitudes import angles_between
 from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
 from nospill.paths.path import Path
 from nospill.robots.robot import Robot
 from nospill.robots.tool import Tool
 from nospill.scenario.fields import ANGLE, JOINT_ANGLE, Measured, Vector
-from nospill.scenario.tables import Given, Quantities, Quantity, Table, Values, default
+from nospill.scenario.tables import Given, Quantities, Table, Values, default
 from nospill.scene.initial_state import InitialState
+from nospill.scene.scene import MotionRules
 
 OFF_PATH, OFF_PATH_SPEED, OFF_PATH_ACCELERATION = 1e-6, 1e-4, 1e-2
 """m and rad, and per s and s^2: what the joints make of the tray may be so far from what its path says."""
@@ -35,14 +35,19 @@ class InitialStateTable(Table):
     """
 
     s: Annotated[
-        Quantity,
-        Measured(dimension="number", at_least=0.0, below=1.0),
-        Field(description="path parameter, 0 at the start of the path and 1 at its end"),
-    ]
+        Annotated[float, Measured(dimension="number", at_least=0.0, below=1.0)] | None,
+        Field(
+            description="path parameter, 0 at the start of the path and 1 at its end; where the tray may leave its "
+            "path, the place nearest to the tray when not given"
+        ),
+    ] = default(None)
     s_rate: Annotated[
-        Quantity, Measured(dimension="number", at_least=0.0, at_most=1e3), Field(description="its rate, 1/s")
-    ]
-    s_acceleration: Annotated[Quantity, _NUMBER, Field(description="its second derivative, 1/s^2")]
+        Annotated[float, Measured(dimension="number", at_least=0.0, at_most=1e3)] | None,
+        Field(description="its rate, 1/s; stated with s"),
+    ] = default(None)
+    s_acceleration: Annotated[
+        Annotated[float, _NUMBER] | None, Field(description="its second derivative, 1/s^2; stated with s")
+    ] = default(None)
     tilt: Annotated[Quantities, Vector(entry=ANGLE, axes=_TILT_AXES), Field(description="the two tilt angles")] = (
         default((0.0, 0.0))
     )
@@ -63,12 +68,19 @@ class InitialStateTable(Table):
         Given[list[Annotated[float, _CHANGE]], Values], Field(description="their accelerations", max_length=16)
     ]
 
-    def build(self, robot: Robot, tool: Tool, path: Path) -> InitialState:
-        """The state of an arm and its tray on a path.
+    def build(self, robot: Robot, tool: Tool, path: Path, rules: MotionRules) -> InitialState:
+        """The state of an arm and its tray about a path.
+
+        Args:
+            robot: whose joints they are.
+            tool: the tray in the flange's frame.
+            path: of the motion.
+            rules: whether the tray may leave it, and how far.
 
         Raises:
-            ScenarioError: not a value for every joint, a joint that is faster than it may be or out of its range, or
-                joints that do not carry the tray as its path says; starts with the key.
+            ScenarioError: not a value for every joint, a joint that is faster than it may be or out of its range, no
+                place on a path that the tray keeps to, joints that do not carry the tray as its path says or carry it
+                outside of the corridor; starts with the key.
         """
         for key in ("joint_position", "joint_speed", "joint_acceleration"):
             values = getattr(self, key)
@@ -77,10 +89,9 @@ class InitialStateTable(Table):
                     f"{key} has {len(values)} values where {len(robot.joints)} are needed, one for each of "
                     f"{', '.join(robot.joints)}"
                 )
+        along = self._along(required=not rules.leaves_path)
         state = InitialState(
-            s=self.s,
-            s_rate=self.s_rate,
-            s_acceleration=self.s_acceleration,
+            *(along or (0.0, 0.0, 0.0)),
             tilt=_pair(self.tilt),
             tilt_rate=_pair(self.tilt_rate),
             tilt_acceleration=_pair(self.tilt_acceleration),
@@ -89,8 +100,33 @@ class InitialStateTable(Table):
             joint_acceleration=tuple(self.joint_acceleration),
         )
         _require_limits(state, robot)
-        _require_on_path(state, robot, tool, path)
+        if path.joint_curve is not None:
+            _refuse_gaps(_joint_curve_gaps(state, path), ("rad", "rad/s", "rad/s^2"), state.s)
+            return state
+        # CasADi: a scenario that begins at rest needs none of it
+        from nospill.scenario.about_the_path import gaps_of_attitude, state_about
+
+        state, beside = state_about(state, along is not None, robot, tool, path, rules)
+        lean = gaps_of_attitude(state, robot, tool)
+        gaps = [max(pair) for pair in zip(beside, lean, strict=True)]
+        _refuse_gaps(gaps, ("m or rad", "m/s or rad/s", "m/s^2 or rad/s^2"), state.s)
+        _require_in_corridor(state, rules)
         return state
+
+    def _along(self, *, required: bool) -> tuple[float, float, float] | None:
+        """The place on the path with its rates, None where it is to be found."""
+        keys = ("s", "s_rate", "s_acceleration")
+        values = (self.s, self.s_rate, self.s_acceleration)
+        missing = [key for key, value in zip(keys, values, strict=True) if value is None]
+        if not missing:
+            s, rate, change = (float(value or 0.0) for value in values)
+            return s, rate, change
+        if required or len(missing) < len(keys):
+            raise ScenarioError(
+                f"{missing[0]} is missing; all of {', '.join(keys)} say where the tray is on its path, as "
+                "plan.state_at(t) does; they may be left out together where the tray may leave its path"
+            )
+        return None
 
 
 def _pair(values: tuple[float, ...]) -> tuple[float, float]:
@@ -119,48 +155,22 @@ def _require_limits(state: InitialState, robot: Robot) -> None:
         )
 
 
-def _require_on_path(state: InitialState, robot: Robot, tool: Tool, path: Path) -> None:
-    """Refuse joints that do not carry the tray as path and tilt say, with its velocity and acceleration."""
-    from nospill.robots.kinematics.forward import kinematics  # CasADi: a scenario that begins at rest needs none of it
-
-    tray = kinematics(robot).motions(*(part[None] for part in state.joints), tool=tool)
-    if path.joint_curve is not None:
-        value, first, second, _ = path.joint_curve.rates(np.array([state.s]))
-        wanted = (
-            value[0],
-            first[0] * state.s_rate,
-            second[0] * state.s_rate**2 + first[0] * state.s_acceleration,
+def _require_in_corridor(state: InitialState, rules: MotionRules) -> None:
+    away = math.dist(state.offset[0], (0.0, 0.0, 0.0))
+    if rules.corridor is not None and away > rules.corridor + OFF_PATH:
+        shown, width = (format_quantity(length, "length", digits=3) for length in (away, rules.corridor))
+        raise ScenarioError(
+            f"joint_position: the joints carry the tray {shown} beside its path at s = {state.s:.3g}, and "
+            f"path.corridor is {width}; make it wider, or give a path that begins nearer"
         )
-        gaps = [float(np.max(np.abs(own - along))) for own, along in zip(state.joints, wanted, strict=True)]
-        _refuse_gaps(gaps, ("rad", "rad/s", "rad/s^2"), state.s)
-        return
-    pose, first, second = (path.derivative([state.s], order)[0] for order in range(3))
-    rate, change = first * state.s_rate, second * state.s_rate**2 + first * state.s_acceleration
-    turn = float(angles_between(tray.rotation, state.attitude(float(pose[3]))[None])[0])
-    omega, alpha = _turning((pose[3], rate[3], change[3]), state.chains[2], state.chains[1])
-    gaps = [
-        max(float(np.linalg.norm(tray.position[0] - pose[:3])), turn),
-        max(
-            float(np.linalg.norm(tray.velocity[0] - rate[:3])),
-            float(np.linalg.norm(tray.rotation[0].T @ tray.angular_velocity[0] - omega)),
-        ),
-        max(
-            float(np.linalg.norm(tray.acceleration[0] - change[:3])),
-            float(np.linalg.norm(tray.rotation[0].T @ tray.angular_acceleration[0] - alpha)),
-        ),
-    ]
-    _refuse_gaps(gaps, ("m or rad", "m/s or rad/s", "m/s^2 or rad/s^2"), state.s)
 
 
-def _turning(*angles: Sequence[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Angular velocity and acceleration (3,) in tray axes, from yaw, theta_y and theta_x, each with its rates."""
-    import casadi as ca
-
-    from nospill.core.frames import SX, tray_rates
-
-    yaw, theta_y, theta_x = ((SX(float(a)), SX(float(b)), SX(float(c))) for a, b, c in angles)
-    omega, alpha = (np.array(ca.evalf(part)).ravel() for part in tray_rates(yaw, theta_y, theta_x))
-    return omega, alpha
+def _joint_curve_gaps(state: InitialState, path: Path) -> list[float]:
+    """How far the joints, their speeds and accelerations are from those on a path of theirs."""
+    assert path.joint_curve is not None  # the caller's is one
+    value, first, second, _ = path.joint_curve.rates(np.array([state.s]))
+    wanted = (value[0], first[0] * state.s_rate, second[0] * state.s_rate**2 + first[0] * state.s_acceleration)
+    return [float(np.max(np.abs(own - along))) for own, along in zip(state.joints, wanted, strict=True)]
 
 
 def _refuse_gaps(gaps: list[float], units: tuple[str, str, str], s: float) -> None:
@@ -170,5 +180,6 @@ def _refuse_gaps(gaps: list[float], units: tuple[str, str, str], s: float) -> No
         if not gap <= allowed:
             raise ScenarioError(
                 f"{key}: the joints carry the tray {gap:.3g} {unit} off its path at s = {s:.6g}; at most {allowed:g} "
-                "is allowed: take the state from a plan on this path, with plan.state_at(t)"
+                "is allowed: take the state from a plan on this path, with plan.state_at(t), or let the tray leave it: "
+                "path.corridor, and a path.yaw that is free"
             )

@@ -133,7 +133,7 @@ def read_scene(
     with _at(label, "[initial_state]"):
         require_may_begin_in_motion(scenario)
         state = scenario.initial_state
-        initial_state = None if state is None else state.build(robot, tray.tool, path)
+        initial_state = None if state is None else state.build(robot, tray.tool, path, motion)
     if scenario.fidelity == "full" and turns(path, motion):
         cargo = tuple(turning(item) for item in cargo)
     return Scene(

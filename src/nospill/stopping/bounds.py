@@ -110,7 +110,7 @@ def _level(scene: Scene, state: MotionState) -> bool:
 
 def _of_chains(scene: Scene, state: MotionState) -> list[Bound]:
     """Of progress, wherever it ends, and of the tilt angles, which end at zero."""
-    rules, (along, *tilts) = scene.motion, state.arm.chains
+    rules, along, tilts = scene.motion, state.arm.along[0], state.arm.tilts
     bounds = [Bound(soonest_rest(along[1:], rules.path_jerk_limit), "jerk along the path")]
     if rules.tilt_free:
         for name, tilt in zip(TILT_ANGLES, tilts, strict=True):

@@ -17,12 +17,12 @@ import numpy as np
 
 from nospill.certification.replay import tray_from_joints
 from nospill.core.arrays import read_only
-from nospill.core.attitudes import yaw_of
 from nospill.core.hermite import quintic_hermite
 from nospill.core.piecewise import Pieces
 from nospill.motion.trajectory import Trajectory
 from nospill.paths.path import Path
 from nospill.plans.plan import Plan
+from nospill.robots.kinematics.yaw_motion import yaw_motion
 from nospill.scene.scene import Scene
 
 _SPAN = 0.02
@@ -71,15 +71,12 @@ def _way(scene: Scene, record: Trajectory, rows: np.ndarray) -> Path:
     columns = (record.joint_position, record.joint_speed, record.joint_acceleration)
     motion = tray_from_joints(scene, [column[rows] for column in columns])[0]
     tilt, rate, change = (part[rows] for part in (record.tilt, record.tilt_rate, record.tilt_acceleration))
-    # omega = (0, 0, yaw') + Rz (0, theta_y', 0) + Rz Ry (theta_x', 0, 0): its z, and the derivative of that
-    sine, cosine = np.sin(tilt[:, 1]), np.cos(tilt[:, 1])
-    turning = motion.angular_velocity[:, 2] + sine * rate[:, 0]
-    turns = motion.angular_acceleration[:, 2] + cosine * rate[:, 1] * rate[:, 0] + sine * change[:, 0]
+    yaw, turning, turns = yaw_motion(motion, tilt, rate, change)
     took = float(record.t[-1] - record.t[0])
     breaks = (record.t[rows] - record.t[0]) / took
     breaks[-1] = 1.0
     poses = [
-        np.column_stack([motion.position, np.unwrap(yaw_of(motion.rotation))]),
+        np.column_stack([motion.position, yaw]),
         took * np.column_stack([motion.velocity, turning]),
         took**2 * np.column_stack([motion.acceleration, turns]),
     ]

@@ -40,10 +40,12 @@ _DRIVEN = 0.3
 _SELF_MOTION_JERK = 1000.0
 """Bound on the third derivative of a seven-joint arm's free parameter, rad/s^3."""
 
-_EARLY, _EASED, _AT_THE_LIMIT = 2, 0.1, 0.02
-"""Least intervals, and part of a motion from a state in motion, in which rows are wider by this part of a budget: the
-motion before may stand on its limits there, and back-off that later instants need would leave no motion that goes on
-from it. The judge looks there too."""
+EASED, WIDER = 0.1, 0.02
+"""Part of a motion from a state in motion in which rows are wider by this part of a budget: the motion before may stand
+on its limits there, and back-off that later instants need would leave no motion that goes on from it. The judge looks
+there too."""
+_LEAST_EASED = 2
+"""Intervals."""
 
 Backoff = Mapping[RowId, float]
 """Row -> fraction of the budget that is kept from the optimiser, 0 where it is not named."""
@@ -199,10 +201,10 @@ def build_problem(
     if scene.initial_state is not None:
         given, first = _given_places(scene, transcription)
         row_lower, row_upper = row_lower.copy(), row_upper.copy()
-        eased = max(_EARLY, int(_EASED * intervals))
+        eased = max(_LEAST_EASED, int(EASED * intervals))
         early = given[None] + transcription.rows_per_stage * np.arange(eased)[:, None]
-        row_lower[early] -= _AT_THE_LIMIT
-        row_upper[early] += _AT_THE_LIMIT
+        row_lower[early] -= WIDER
+        row_upper[early] += WIDER
         row_lower[given[first]], row_upper[given[first]] = -np.inf, np.inf
     of_planes = planes.bounds()
     lower, upper = np.concatenate([lower, -of_planes]), np.concatenate([upper, of_planes])
@@ -288,7 +290,8 @@ def _scales(
 
 def initial_chains(state: InitialState, layout: Layout, self_motion: np.ndarray | None) -> np.ndarray:
     """Value, rate and acceleration of every chain (3 c,) in a state, the self-motion of a seven-joint arm last."""
-    of_tray = state.chains[: layout.chains - layout.redundant].ravel()
+    freedom = layout.freedom
+    of_tray = state.chains(tilt=freedom.tilt, offset=freedom.offset, yaw=freedom.yaw).ravel()
     if not layout.redundant:
         return of_tray
     assert self_motion is not None  # of an arm with seven joints

@@ -16,6 +16,7 @@ from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.redundancy import self_motion
 from nospill.scene.initial_state import InitialState
 from nospill.scene.scene import Scene
+from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.layout import layout_of
 from nospill.transcription.resampling import resolving_intervals
 from nospill.transcription.stages import Stages
@@ -125,13 +126,15 @@ def motion_to_rest(scene: Scene, state: InitialState, joint_path: JointPath, int
     """
     end = min(1.0, state.s + 0.5 * state.s_rate * duration) if scene.motion.stop else 1.0
     tau = np.linspace(0.0, 1.0, intervals + 1)
-    goals = [end, 0.0, 0.0]
-    chains = [_to_rest(tau, chain, goal, duration) for chain, goal in zip(state.chains, goals, strict=True)]
-    layout = layout_of(structure_of(scene))
-    return motion_along(scene, joint_path, chains[: layout.freedom.chains], duration)
+    freedom = layout_of(structure_of(scene)).freedom
+    first = state.chains(tilt=freedom.tilt, offset=freedom.offset, yaw=freedom.yaw)
+    goals = np.append(end, np.zeros(len(first) - 1))
+    chains = [to_rest(tau, chain, goal, duration) for chain, goal in zip(first, goals, strict=True)]
+    motion = motion_along(scene, joint_path, chains, duration)
+    return with_joints_solved(scene, motion) if scene.motion.leaves_path else motion
 
 
-def _to_rest(tau: np.ndarray, state: np.ndarray, goal: float, duration: float) -> np.ndarray:
+def to_rest(tau: np.ndarray, state: np.ndarray, goal: float, duration: float) -> np.ndarray:
     """The quintic (m, 3) from value, rate and acceleration (3,) to rest at a goal, at parts tau (m,) of a time, s."""
     value, rate, change = state * np.array([1.0, duration, duration**2])
     way, slope, bend = quintic(tau)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
+from nospill.core.attitudes import matrices, quaternions, tray_quaternions, yaw_of
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.path_deviation import recorded_freedom
 from nospill.motion.trajectory import SloshTrack, Trajectory
@@ -20,6 +21,11 @@ from nospill.transcription.collocation import POINTS
 from nospill.transcription.export_samples import tray_samples
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.stages import Stages
+from nospill.transcription.starting_motions import quintic, to_rest
+
+_LEVER, _MODEST, _QUINTIC_PEAK = 0.3, 3.0, 5.78
+"""m, on which a turn counts as a way; m/s^2, with which a tray is bent away from its old end at most; peak acceleration
+of a quintic over its way and the square of its time."""
 
 
 def from_trajectory(
@@ -84,6 +90,61 @@ def on_branch(trajectory: Trajectory, before: Scene, scene: Scene, joint_path: J
     speed = np.gradient(q, trajectory.t, axis=0)
     acceleration = np.gradient(speed, trajectory.t, axis=0)
     return replace(trajectory, joint_position=q, joint_speed=speed, joint_acceleration=acceleration)
+
+
+def bent(rest: Trajectory, scene: Scene, *, afterwards: bool = False) -> Trajectory:
+    """What is left of a motion, bent to where another path ends: meanwhile the tray goes there smoothly too.
+
+    Where that takes longer, the motion stands still at its old end.
+
+    Args:
+        rest: of the motion, from the state in which the scene begins.
+        scene: whose tray may leave its path.
+        afterwards: whether the tray goes to the old end first, where its liquids are calm, and then on.
+
+    Raises:
+        ModelError: the arm does not reach the poses of the tray.
+    """
+    state, rate = scene.initial_state, rest.rate
+    assert state is not None  # the scene begins in motion
+    last, end = yaw_of(matrices(rest.tray_quaternion[-1:]))[0], scene.path.at(1.0)[0]
+    way, turn = end[:3] - rest.tray_position[-1], np.remainder(end[3] - last + np.pi, 2.0 * np.pi) - np.pi
+    size = float(np.linalg.norm(way)) + _LEVER * abs(float(turn))
+    takes = int(np.sqrt(_QUINTIC_PEAK * size / _MODEST) * rate) + 2
+    first = len(rest.t) if afterwards else 0
+    count = max(len(rest.t), first + takes)
+
+    def standing(values: np.ndarray) -> np.ndarray:
+        return np.concatenate([values, np.repeat(values[-1:], count - len(values), axis=0)])
+
+    columns = {
+        item.name: standing(getattr(rest, item.name))
+        for item in fields(rest)
+        if item.name not in ("t", "joints", "slosh", "in_motion")
+    }
+    slosh = {
+        name: SloshTrack(*(standing(getattr(track, item.name)) for item in fields(track)))
+        for name, track in rest.slosh.items()
+    }
+    t = np.arange(count) / rate
+    share = quintic(np.maximum(np.arange(count) - first, 0) / (count - 1 - first))[0]
+    along = to_rest(t / t[-1], state.along[0], 1.0, float(t[-1]))
+    position = columns["tray_position"] + share[:, None] * way
+    turned = matrices(tray_quaternions(share * turn, np.zeros(count), np.zeros(count)))
+    rotation = turned @ matrices(columns["tray_quaternion"])
+    q = solve_joints(scene.robot, position, rotation, columns["joint_position"], tool=scene.tray.tool)
+    speed = np.gradient(q, t, axis=0)
+    moved = {
+        "s": along[:, 0],
+        "s_rate": along[:, 1],
+        "s_acceleration": along[:, 2],
+        "tray_position": position,
+        "tray_quaternion": quaternions(rotation),
+        "joint_position": q,
+        "joint_speed": speed,
+        "joint_acceleration": np.gradient(speed, t, axis=0),
+    }
+    return replace(rest, t=t, slosh=slosh, **{**columns, **moved})
 
 
 def _fill_liquids(table: np.ndarray, scene: Scene, t: np.ndarray, slosh: Mapping[str, SloshTrack]) -> None:
