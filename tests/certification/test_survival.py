@@ -60,6 +60,18 @@ def test_a_delay_of_all_joints_alike_only_shifts_the_time(followed: Followed) ->
         assert np.max(late[row]) == pytest.approx(np.max(use), abs=2e-3)
 
 
+def test_rows_of_some_motions_are_those_of_each_alone(plan: Looked, followed: Followed) -> None:
+    """The final state too, which motions that are late reach at different times."""
+    fault, none = delay_fault(followed), np.zeros(followed.joints)
+    motions = [fault.motion(none + delay, none) for delay in (0.002, 0.005)]
+    for motion, together in zip(motions, plan.few.rows(*motions, after=0.01), strict=True):
+        (alone,) = plan.few.rows(motion, after=0.01)
+        assert any(len(use) == 1 for use in alone.values())
+        assert alone.keys() == together.keys()
+        for row, use in alone.items():
+            np.testing.assert_allclose(together[row], use, rtol=1e-9, atol=1e-12)
+
+
 def test_no_phases_of_swinging_joints_fail_within_the_swing(followed: Followed, plan: Looked) -> None:
     fault = swing_fault(followed)
     found = survived(plan, fault)

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from nospill.certification.replay import Replay, between
-from nospill.certification.traces import evaluated_traces, motion_inputs
+from nospill.certification.traces import evaluated_traces, inputs_at
 from nospill.certification.verdict import Trace
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.motion.interpolation import JointMotion
@@ -47,7 +47,7 @@ def peaks_between(
         if len(intervals):
             t = (played.t[intervals, None] + np.arange(1, _PARTS) / _PARTS / played.rate).ravel()
             looked_at = between(played, scene, motion, t)
-            inputs = {point: motion_inputs(trajectory, scene, looked_at)[point]}
+            inputs = {point: inputs_at(point, trajectory, scene, looked_at)}
             peaks += [_worst_instant(trace) for trace in evaluated_traces(scene, inputs)]
     return tuple(peaks)
 

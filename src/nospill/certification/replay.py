@@ -96,7 +96,7 @@ def replay(
             finest = max(refinement, 2)
             sampled(2 * per_sample * finest)
         stride = finest // refinement
-        return _integrate(scene, body[:, ::stride], float(grid[2 * stride] - grid[0]))
+        return _integrate(scene, [body[:, ::stride]], float(grid[2 * stride] - grid[0]))[0]
 
     if count:
         slosh = refined(play, displacements=count)
@@ -143,14 +143,14 @@ def coarse_replays(
     joints = [np.concatenate([motion(grid, order) for motion in motions]) for order in range(3)]
     tray, body = tray_from_joints(scene, joints)
     coordinates, found = coordinate_count(structure_of(scene)), []
-    for index in range(len(motions)):
-        own = slice(index * len(grid), (index + 1) * len(grid))
-        states = np.empty((count + 1, 0))
-        if coordinates:
-            states = _integrate(scene, body[:, own][:, ::longer], longer * step)
-            for halving in range(halvings):
-                states = _with_middles(states, longer * step / 2**halving)
-        every = slice(own.start, own.stop, 2)
+    integrated = [np.empty((count + 1, 0))] * len(motions)
+    if coordinates:
+        bodies = np.split(body, len(motions), axis=1)
+        integrated = _integrate(scene, [own[:, ::longer] for own in bodies], longer * step)
+    for index, states in enumerate(integrated):
+        for halving in range(halvings if coordinates else 0):
+            states = _with_middles(states, longer * step / 2**halving)
+        every = slice(index * len(grid), (index + 1) * len(grid), 2)
         found.append(
             Replay(
                 t=grid[::2],
@@ -272,24 +272,22 @@ def liquid_steps(kind: Structure) -> Any:
     return step if step.size2_in(1) == STEPS else step_sequence(step)
 
 
-def _integrate(scene: Scene, body: np.ndarray, length: float) -> np.ndarray:
-    """All liquids along a motion sampled at half steps: (m, 2 k), displacements, then velocities."""
+def _integrate(scene: Scene, bodies: Sequence[np.ndarray], length: float) -> list[np.ndarray]:
+    """All liquids along some motions, each sampled at half steps: (m, 2 k), displacements, then velocities."""
     structure, numbers = structure_of(scene), flat_object_numbers(scene)
-    initial, half, count = initial_coordinates(scene), coordinate_count(structure), (body.shape[1] - 1) // 2
+    initial, half = initial_coordinates(scene), coordinate_count(structure)
     alike: dict[Structure, list[int]] = {}
     slices = structure.slosh_slices
     for index, item in enumerate(structure.objects):
         if item.coordinates:
             alike.setdefault(object_kind(structure, item), []).append(index)
-    states = np.empty((count + 1, 2 * half))
+    found = [np.empty(((body.shape[1] - 1) // 2 + 1, 2 * half)) for body in bodies]
     for kind, indices in alike.items():
         columns = [np.r_[slices[index]] for index in indices]
         places = np.array([np.concatenate([part, half + part]) for part in columns])
-        states[:, places] = integrate(
-            liquid_steps(kind),
-            np.array([initial[:, part].ravel() for part in columns]),
-            inputs=body,
-            lengths=np.full(count, length),
-            parameters=np.array([numbers[index] for index in indices]),
-        )
-    return states
+        steps, starts = liquid_steps(kind), np.array([initial[:, part].ravel() for part in columns])
+        parameters = np.array([numbers[index] for index in indices])
+        for states, body in zip(found, bodies, strict=True):
+            lengths = np.full(len(states) - 1, length)
+            states[:, places] = integrate(steps, starts, inputs=body, lengths=lengths, parameters=parameters)
+    return found

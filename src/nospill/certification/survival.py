@@ -10,7 +10,7 @@ Delays and swings are small beside the motion, and a row is nearly linear in the
 what that joint adds to every row at every instant, and the combinations of joints that add most; those are replayed,
 then those beside the worst of them, and the worst counts. What is worst of a small delay is not what is worst of a
 large one: at a size far from those before, differences are made anew. Sizes follow by secants, and the one that is said
-was replayed and holds. Frequencies are tried from above.
+was replayed and holds. Frequencies: `resonance`.
 """
 
 from __future__ import annotations
@@ -20,10 +20,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nospill.certification.resonance import CLOSE, resonance_survived
 from nospill.certification.survived import (
-    DAMPING,
-    HIGHEST,
-    LOWEST,
     MOST_DELAY,
     MOST_SWING,
     SWING_FREQUENCY,
@@ -34,15 +32,13 @@ from nospill.certification.tracked_rows import Followed, Uses, worst_of
 from nospill.certification.verdict import Row
 from nospill.laws.constraints.base import RowId
 from nospill.motion.interpolation import JointMotion
-from nospill.motion.tracking import Swinging, elastic, late
+from nospill.motion.tracking import Swinging, late_by
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
 
 _SMALL = 1e-4
 """s or rad, at which the first differences are made."""
-_CLOSE = 0.02
-"""Part of a size within which one more that holds and one that fails lie, or are expected to."""
 _FEW_MODES = 0.02
 """Part of what a plan leaves of its limits that replays with few modes are trusted with no farther."""
 _BELOW = 0.3
@@ -53,12 +49,6 @@ _ALIKE = 1.5
 """Ratio of two sizes up to which the combinations of joints that were the worst at one are looked at at the other."""
 _NEAR = 2.0
 """Times the size of the row that fails first, within which an object is on the tray where it is replayed."""
-_SAMPLES_OF_A_PERIOD, _RATES = 16.0, (250.0, 1000.0)
-"""Of an elastic joint, with which it is replayed; and the rates in Hz between which that is kept."""
-_STEPS = 1.0 / 2.2, 0.95
-"""From one frequency to the next lower one, at most and at least."""
-_RING = 0.35
-"""s after the end for which an elastic joint is followed."""
 
 
 Combination = tuple[np.ndarray, np.ndarray]
@@ -121,10 +111,10 @@ class Fault:
 
 def delay_fault(followed: Followed) -> Fault:
     """Joints that are late."""
-    start, stop = followed.span
+    late = late_by(followed.motion, *followed.span)
 
     def motion(size: np.ndarray, _: np.ndarray) -> JointMotion:
-        return late(followed.motion, Controller(size, np.zeros_like(size)), start, stop)
+        return late(Controller(size, np.zeros_like(size)))
 
     return Fault(MOST_DELAY, motion, delays=True, rate=500.0)
 
@@ -179,7 +169,7 @@ def survival(trajectory: Trajectory, scene: Scene, rows: tuple[Row, ...] = ()) -
     followed = Followed.of(trajectory, scene, rows)
     plan = Looked.at(followed)
     delay, swing = (survived(plan, fault(followed)) for fault in (delay_fault, swing_fault))
-    return Survival(delay, swing, _resonance(plan))
+    return Survival(delay, swing, resonance_survived(plan.few, worst_of(plan.few_stated)[0]))
 
 
 def survived(plan: Looked, fault: Fault) -> Survived:
@@ -205,7 +195,7 @@ def survived(plan: Looked, fault: Fault) -> Survived:
         other = high if np.isfinite(high[0]) else before
         first = row.label if use >= 1.0 or not np.isfinite(high[0]) else first
         size = _following(low, other, high[0], fault.most)
-        if min(size, high[0]) <= (1.0 + _CLOSE) * low[0]:
+        if min(size, high[0]) <= (1.0 + CLOSE) * low[0]:
             break
     return Survived(low[0], first)
 
@@ -218,7 +208,7 @@ def _following(low: tuple[float, float], other: tuple[float, float], high: float
     size = low[0] + (1.0 - low[1]) / slope if slope > 0.0 else 2.0 * low[0]
     if np.isinf(high):
         return min(size, 2.0 * low[0], most)
-    size -= _BELOW * _CLOSE * size  # that it may hold; and away from what is known already
+    size -= _BELOW * CLOSE * size  # that it may hold; and away from what is known already
     return float(np.clip(size, low[0] + 0.1 * (high - low[0]), low[0] + 0.9 * (high - low[0])))
 
 
@@ -279,32 +269,3 @@ def _played(plan: Looked, fault: Fault, size: float, combinations: list[Combinat
     worst = [worst_of({row: use + plan.beyond(row) for row, use in uses.items()}) for uses in played]
     index = max(range(len(worst)), key=lambda index: worst[index][0])
     return *worst[index], index
-
-
-def _resonance(plan: Looked) -> Survived:
-    """The lowest frequency that is survived, from above; the next one is where what is added would be 1.2 times it."""
-    few, planned = plan.few, worst_of(plan.few_stated)[0]
-    start, stop = few.span
-
-    def worst(frequency: float) -> tuple[float, RowId]:
-        motion = elastic(few.motion, np.full(few.joints, frequency), DAMPING, start, stop + 2.0 * _RING)
-        coarse = replace(few, rate=float(np.clip(_SAMPLES_OF_A_PERIOD * frequency, *_RATES)))
-        return worst_of(coarse.rows(motion, after=_RING, at_end=False)[0])
-
-    high, frequency = np.inf, HIGHEST
-    use, row = worst(frequency)
-    while use <= 1.0:
-        if frequency <= LOWEST:
-            return Survived(None)
-        # a stiffer joint is off by less as the square of its frequency
-        nearer = 1.1 * np.sqrt(max(use - planned, 0.0) / max(1.0 - planned, 1e-9))
-        high, frequency = frequency, max(frequency * float(np.clip(nearer, *_STEPS)), LOWEST)
-        use, row = worst(frequency)
-    if frequency == HIGHEST:
-        return Survived(frequency, row.label)
-    low, first = frequency, row.label
-    while high > (1.0 + 2.0 * _CLOSE) * low:
-        middle = float(np.sqrt(low * high))
-        use, row = worst(middle)
-        low, high, first = (middle, high, row.label) if use > 1.0 else (low, middle, first)
-    return Survived(high, first)

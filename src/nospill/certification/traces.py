@@ -42,6 +42,9 @@ from nospill.scene.scene import Scene
 Inputs = tuple[np.ndarray, list[np.ndarray]]
 """Times (m,), s, and the arrays (rows, m) on which the constraints of one evaluation point are evaluated there."""
 
+_EVALUATED = tuple(point for point in EVERYWHERE if point is not EvaluationPoint.PASSING)
+"""Evaluation points whose constraints are functions of `Inputs`."""
+
 
 def constraint_traces(
     trajectory: Trajectory,
@@ -63,26 +66,41 @@ def constraint_traces(
     Returns:
         One trace per constraint and subject, in the order of the certificate.
     """
-    ends = np.array([trajectory.end_time, trajectory.rest_time])
-    inputs = motion_inputs(trajectory, scene, played) | {
-        EvaluationPoint.CONTROL: control_inputs(trajectory, scene),
-        EvaluationPoint.END: (ends, list(states_at(played, ends))),
-    }
-    traces = evaluated_traces(scene, {point: inputs[point] for point in inputs if point in points}, payload=payload)
+    wanted = [point for point in _EVALUATED if point in points]
+    inputs = {point: inputs_at(point, trajectory, scene, played) for point in wanted}
+    traces = evaluated_traces(scene, inputs, payload=payload)
     passing = passing_traces(scene, played) if EvaluationPoint.PASSING in points else ()
-    of_modes = _at_end(traces, scene, inputs[EvaluationPoint.END][1])
+    of_modes = _at_end(traces, scene, inputs[EvaluationPoint.END][1]) if EvaluationPoint.END in inputs else traces
     return (*with_second_order(of_modes, scene, played), *passing)
 
 
-def motion_inputs(trajectory: Trajectory, scene: Scene, played: Replay) -> dict[EvaluationPoint, Inputs]:
-    """Inputs at the evaluation points at which a motion is looked at everywhere; arguments of `constraint_traces`."""
+def end_traces(scene: Scene, motions: Sequence[tuple[Trajectory, Replay]]) -> list[tuple[Trace, ...]]:
+    """Traces of the rows on the final state of some motions, each a record with its replay, evaluated in one call."""
+    ends = [inputs_at(EvaluationPoint.END, trajectory, scene, played) for trajectory, played in motions]
+    states = [np.hstack(part) for part in zip(*(own for _, own in ends), strict=True)]
+    traces = evaluated_traces(scene, {EvaluationPoint.END: (np.concatenate([t for t, _ in ends]), states)})
+    return [
+        with_second_order(_at_end(traces, scene, states, first=2 * index), scene, played)
+        for index, (_, played) in enumerate(motions)
+    ]
+
+
+def inputs_at(point: EvaluationPoint, trajectory: Trajectory, scene: Scene, played: Replay) -> Inputs:
+    """Inputs of the constraints of one of the points in `_EVALUATED`; other arguments as of `constraint_traces`."""
     joints = [played.joint_position.T, played.joint_speed.T, played.joint_acceleration.T]
-    liquids = [played.slosh_displacement.T, played.slosh_velocity.T]
-    return {
-        EvaluationPoint.OBJECT: (played.t, [played.body, *liquids]),
-        EvaluationPoint.JOINT: (played.t, [*joints, *_path_deviation(trajectory, scene, played)]),
-        EvaluationPoint.TRAY: (played.t, [played.tray.position.T, played.tray.velocity.T, played.tray.acceleration.T]),
-    }
+    match point:
+        case EvaluationPoint.OBJECT:
+            return played.t, [played.body, played.slosh_displacement.T, played.slosh_velocity.T]
+        case EvaluationPoint.JOINT:
+            return played.t, [*joints, *_path_deviation(trajectory, scene, played)]
+        case EvaluationPoint.TRAY:
+            tray = played.tray
+            return played.t, [tray.position.T, tray.velocity.T, tray.acceleration.T]
+        case EvaluationPoint.CONTROL:
+            return control_inputs(trajectory, scene)
+        case _:
+            ends = np.array([trajectory.end_time, trajectory.rest_time])
+            return ends, list(states_at(played, ends))
 
 
 def _path_deviation(trajectory: Trajectory, scene: Scene, played: Replay) -> list[np.ndarray]:
@@ -93,8 +111,10 @@ def _path_deviation(trajectory: Trajectory, scene: Scene, played: Replay) -> lis
     return [offset.T, s[None]] if scene.motion.corridor_shares else [offset.T]
 
 
-def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray]) -> Iterator[Trace]:
+def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray], *, first: int = 0) -> Iterator[Trace]:
     """The traces, those on the final state at one instant each, of the end of the motion and the first sample at rest.
+
+    These two lie side by side among the instants of `states`, the end at the index `first`.
 
     A displacement is that at the end. A residual height holds from where the tray stands, between the last two samples
     it still slows down. Of many modes it is that of the free motion; of one the constraint is a bound, hardly above the
@@ -108,12 +128,13 @@ def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray]) -> 
             yield trace
             continue
         is_residual, index = trace.constraint == ResidualHeight.name, owners[trace.subject]
-        instant = slice(1, 2) if is_residual else slice(0, 1)
+        at = first + int(is_residual)
+        instant = slice(at, at + 1)
         final = replace(trace, **{name: getattr(trace, name)[instant] for name in ("t", "value", "limit", "margin")})
         item, modes = structure.objects[index], slices[index]
         if is_residual and item.modes > 1:
             limit = np.abs(final.limit)
-            q, qd = (part[modes, 1] for part in states)
+            q, qd = (part[modes, at] for part in states)
             value = np.array([residual_height(item, numbers.objects[index], q, qd, float(limit[0]))])
             final = replace(final, value=value, margin=limit - value)
         yield final

@@ -7,6 +7,7 @@ where something spills, slides, turns, tips, lifts or touches, however high a li
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,7 @@ from nospill.certification.clearance import clearance_traces
 from nospill.certification.replay import Replay, coarse_replays
 from nospill.certification.rims import rims_below
 from nospill.certification.run import Run, of_joints_alone, run_of
-from nospill.certification.traces import constraint_traces, evaluated_traces
+from nospill.certification.traces import constraint_traces, end_traces, evaluated_traces
 from nospill.certification.verdict import Row, Trace, limit_use
 from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, Role, RowId
 from nospill.laws.constraints.clearance import Clearance
@@ -125,9 +126,10 @@ class Followed:
         """
         replays = self.played(motions, after=after)
         found = [dict(own) for own in self.during(replays, self._use)]
-        for own, played in zip(found, replays if at_end else (), strict=False):
-            traces = self._traces(played, (EvaluationPoint.END,))
-            own |= {trace.id: use for trace in traces if (use := self._use(trace)) is not None}
+        if at_end:
+            of_ends = end_traces(self.scene, [(self._record(played), played) for played in replays])
+            for own, traces in zip(found, of_ends, strict=True):
+                own |= {trace.id: use for trace in traces if (use := self._use(trace)) is not None}
         return tuple(found)
 
     def during(
@@ -150,12 +152,11 @@ class Followed:
     def traces(self, played: Replay) -> tuple[Trace, ...]:
         """Traces of the rows on objects, those on the final state too, and of the distances that are near."""
         near = clearance_traces(self.scene, played.t, played.joint_position, self.near)
-        return (*self._traces(played, OF_OBJECTS), *near)
+        return (*constraint_traces(self._record(played), self.scene, played, points=OF_OBJECTS), *near)
 
-    def _traces(self, played: Replay, points: Collection[EvaluationPoint]) -> tuple[Trace, ...]:
+    def _record(self, played: Replay) -> Trajectory:
         joints = played.joint_position, played.joint_speed, played.joint_acceleration
-        record = Trajectory.of_joints(played.t, self.record.joints, *joints)
-        return constraint_traces(record, self.scene, played, points=points)
+        return Trajectory.of_joints(played.t, self.record.joints, *joints)
 
     def played(self, motions: Sequence[JointMotion], *, after: float = 0.0) -> tuple[Replay, ...]:
         """Replays of some motions of the joints; arguments as of `rows`."""
@@ -236,4 +237,5 @@ def _freeboards(scene: Scene, rows: Sequence[Row]) -> dict[str, float]:
 
 def worst_of(uses: Uses) -> tuple[float, RowId]:
     """The largest use of all rows, and whose it is."""
-    return max((float(np.nan_to_num(np.max(use), nan=np.inf)), row) for row, use in uses.items())
+    largest = [(float(np.max(use)), row) for row, use in uses.items()]
+    return max((np.inf if math.isnan(use) else use, row) for use, row in largest)

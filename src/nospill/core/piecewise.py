@@ -39,10 +39,11 @@ class Pieces:
         """The same, shape (n, k), each column at its own places: x (n, k)."""
         span = np.searchsorted(self.breaks[1:-1], x, side="right")
         offset, degree = x - self.breaks[span], self.coefficients.shape[0] - 1
+        places = span * x.shape[1] + np.arange(x.shape[1])  # np.take_along_axis does the same in twice the time
         result = np.zeros(x.shape)
         for index in range(degree - order + 1):
             result *= offset
-            result += math.perm(degree - index, order) * np.take_along_axis(self.coefficients[index], span, axis=0)
+            result += math.perm(degree - index, order) * self.coefficients[index].take(places)
         return result
 
 

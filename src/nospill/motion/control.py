@@ -15,6 +15,7 @@ delay.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -106,14 +107,24 @@ def followed(command: JointMotion, controller: Controller, start: float, stop: f
         start: s.
         stop: s.
     """
-    if not controller.is_late:
-        return command
+    return follower(command, start, stop)(controller) if controller.is_late else command
+
+
+def follower(command: JointMotion, start: float, stop: float) -> Callable[[Controller], JointMotion]:
+    """What the joints do by any controller that makes them late, from one spline through a command.
+
+    Args:
+        command: as of `followed`.
+        start: s.
+        stop: s.
+    """
     count = max(12, math.ceil((stop - start) * _RATE))
     t = start + (stop - start) / count * np.arange(count + 1)
     spline = QUINTIC_SPLINE.motion(JointSamples(t, command(t)))
     assert isinstance(spline, HeldMotion)
     assert isinstance(spline.inside, Pieces)
-    return _Followed(_lag(spline.inside, controller.lag), controller, start, stop)
+    pieces = spline.inside
+    return lambda controller: _Followed(_lag(pieces, controller.lag), controller, start, stop)
 
 
 def settling_after(controller: Controller) -> float:
@@ -145,10 +156,10 @@ class _Lagged:
     def __call__(self, t: np.ndarray, order: int) -> np.ndarray:
         """The derivative of this order, each joint at its own times: t is (m, n), s."""
         breaks = self.steady.breaks
-        place = np.maximum(np.searchsorted(breaks, t, side="right") - 1, 0)
         values = np.where(t >= breaks[-1], 0.0 if order else self.rest, self.steady.by_columns(t, order))
         if not np.any(self.lag):
             return values
+        place = np.maximum(np.searchsorted(breaks, t, side="right") - 1, 0)
         lag = np.where(self.lag > 0.0, self.lag, 1.0)
         left = np.take_along_axis(self.left, place, axis=0)
         return values + left * (-1.0 / lag) ** order * np.exp((breaks[place] - t) / lag)

@@ -10,12 +10,13 @@ Three ways to be off, each a motion made from the one that is asked for:
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from nospill.core.hermite import cubic_hermite, cubic_hermite_slope
-from nospill.motion.control import followed
+from nospill.motion.control import follower
 from nospill.motion.interpolation import JointMotion
 from nospill.scene.controller import Controller
 from nospill.scene.tracking import Arm
@@ -33,12 +34,18 @@ def late(motion: JointMotion, arm: Controller, start: float, stop: float) -> Joi
         start: s.
         stop: s.
     """
-    behind = followed(motion, arm, start, stop)
+    return late_by(motion, start, stop)(arm) if arm.is_late else motion
 
-    def of(t: np.ndarray, order: int = 0, /) -> np.ndarray:
-        return behind(t - arm.latest, order)  # that clock begins with the latest joint
 
-    return of
+def late_by(motion: JointMotion, start: float, stop: float) -> Callable[[Controller], JointMotion]:
+    """The same for any arm that is late, from one spline through the motion: many are made in little more time."""
+    behind = follower(motion, start, stop)
+
+    def done(arm: Controller) -> JointMotion:
+        own = behind(arm)
+        return lambda t, order=0, /: own(t - arm.latest, order)  # that clock begins with the latest joint
+
+    return done
 
 
 def done_by(motion: JointMotion, arm: Arm, start: float, stop: float, after: float) -> JointMotion:
