@@ -1,4 +1,4 @@
-"""The benchmark behind docs/performance.md: one table of ratios, a JSON file and a plot in benchmarks/results.
+"""The benchmark behind docs/performance.md: one table, a JSON file and a plot in benchmarks/results.
 
     make bench                               five alternating rounds, about half an hour
     python -m benchmarks.planning.run --quick         the long baseline once, the rest three times
@@ -16,62 +16,26 @@ import argparse
 import compileall
 import json
 import os
+import resource
 import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from benchmarks.planning import scenes
-from benchmarks.planning.report import machine, save_plot, table, write_page
+from benchmarks.planning.measurements import EXAMPLES, GROUPS, WELLS, WHOLE_EXAMPLES, measurements
+from benchmarks.planning.plot import save_plot
+from benchmarks.planning.report import machine, table, write_page
 from nospill.compiled.compilers import compiler_path
 from nospill.native import libraries
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 RESULTS = REPOSITORY / "benchmarks" / "results"
 PAGE = REPOSITORY / "docs" / "performance.md"
-EXAMPLES = ("matrix-liquid", "matrix-rigid", "matrix-liquid-tilt", "mixed-tray", "pp-two-cups")
-TWENTY_MODES = ("matrix-liquid-tilt", "mixed-tray")
-"""Those of them that are also planned as the examples stand, with the full model."""
-CUPS = (1, 2, 4, 8, 16, 32)
-DIFFERENT = (4, 16, 64)
-WELLS = (132, 500)
-INTERVALS = (50, 100, 200, 400)
-GROUPS = (
-    "baseline",
-    "baseline-rigid",
-    "cold",
-    "virtual",
-    "warm",
-    "process",
-    "first",
-    "cups",
-    "different",
-    "wells",
-    "grid",
-    "toppra",
-)
 _LONGEST = 1800.0
-
-
-@dataclass(frozen=True)
-class Measurement:
-    """Something measured once a round.
-
-    Attributes:
-        key: name in the JSON file. group: one of `GROUPS`. run: measures and returns figures, `seconds` among them.
-        once: long enough to be measured in the first round only when in a hurry.
-    """
-
-    key: str
-    group: str
-    run: Callable[[], dict[str, Any]]
-    once: bool = False
 
 
 class Bench:
@@ -160,73 +124,27 @@ class Bench:
         return self._timed([sys.executable, "-c", statement], self.cache)
 
     def _timed(self, command: list[str], cache: Path) -> dict[str, Any]:
-        began = time.perf_counter()
+        began, used = time.perf_counter(), _of_children()
         done = subprocess.run(
             command, env=self.environment("background", cache), capture_output=True, text=True, check=False
         )
-        seconds = time.perf_counter() - began
+        figures = {"seconds": time.perf_counter() - began, "processor": _of_children() - used}
         if done.returncode:
             raise SystemExit(f"{' '.join(command)}: {done.stderr.strip()}")
-        return {"seconds": seconds}
+        return figures
 
 
-def measurements(bench: Bench) -> list[Measurement]:
-    """Everything, in the order in which a round goes through it."""
-    task = bench.task
-    found = [
-        Measurement("baseline liquid", "baseline", lambda: task("baseline", "liquid"), once=True),
-        Measurement("baseline rigid", "baseline-rigid", lambda: task("baseline", "rigid")),
-        Measurement("toppra, rigid on a level tray", "toppra", lambda: task("toppra", "matrix-rigid")),
-    ]
-    for name in EXAMPLES:
-        found.append(Measurement(f"cold {name}", "cold", lambda name=name: task("cold", name)))
-        found.append(Measurement(f"no compiler {name}", "virtual", lambda name=name: task("cold", name, mode="off")))
-    for name in TWENTY_MODES:
-        run = lambda name=name: task("cold", name, "--modes", "20")  # noqa: E731
-        found.append(Measurement(f"cold {name}, twenty modes", "cold", run))
-    for name in ("matrix-liquid", "matrix-liquid-tilt"):
-        found.append(Measurement(f"warm {name}", "warm", lambda name=name: task("warm", name)))
-    found += [
-        Measurement("process, cold cache", "process", lambda: bench.whole_process(cold_cache=True)),
-        Measurement("process, second run", "process", lambda: bench.whole_process(cold_cache=False)),
-        Measurement(
-            "process with figures, second run",
-            "process",
-            lambda: bench.whole_process(cold_cache=False, figures=True),
-        ),
-        Measurement("python -c pass", "process", lambda: bench.python("pass")),
-        Measurement("import nospill", "process", lambda: bench.python("import nospill")),
-        Measurement(
-            "import nospill.planning.planner", "process", lambda: bench.python("import nospill.planning.planner")
-        ),
-    ]
-    for name in scenes.UNSEEN:
-        for empty in (False, True):
-            key = f"first plan, {name}, {'empty cache' if empty else 'blocks compiled'}"
-            run = lambda name=name, empty=empty: bench.first_plan(name, empty=empty)  # noqa: E731
-            found.append(Measurement(key, "first", run, once=empty))
-    # On the virtual machine: compiling each of these trays first would take longer than the measurement.
-    for count in CUPS:
-        key = f"{count} cup{'s' if count > 1 else ''}"
-        run = lambda count=count: task("cups", str(count), mode="off")  # noqa: E731
-        found.append(Measurement(key, "cups", run, once=count > 8))
-    for count in DIFFERENT:
-        run = lambda count=count: task("different", str(count), mode="off")  # noqa: E731
-        found.append(Measurement(f"{count} different cups", "different", run, once=count > 16))
-    for count in WELLS:
-        run = lambda count=count: task("wells", str(count))  # noqa: E731
-        found.append(Measurement(f"{count} wells and vials", "wells", run))
-    for intervals in INTERVALS:
-        run = lambda intervals=intervals: task("cold", "matrix-liquid", "--intervals", str(intervals))  # noqa: E731
-        found.append(Measurement(f"N = {intervals}", "grid", run))
-    return found
+def _of_children() -> float:
+    """Processor time of the processes that were waited for, s."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def fill_cache(bench: Bench, groups: set[str]) -> dict[str, float]:
     """Compile what the measurements need; seconds of each first run."""
-    needed = [("cold", name) for name in EXAMPLES if groups & {"cold", "warm", "process", "first", "grid"}]
+    needed = [("whole", name) for name in WHOLE_EXAMPLES if groups & {"whole", "whole-warm"}]
+    needed += [("cold", name) for name in EXAMPLES if groups & {"cold", "warm", "process", "first", "grid"}]
     needed += [("wells", str(count)) for count in WELLS if "wells" in groups]
-    needed += [("cold", name, "--modes", "20") for name in TWENTY_MODES if "cold" in groups]
     seconds = {"cache --warm": bench.warm()} if "first" in groups else {}
     for arguments in needed:
         label = " ".join(arguments)
@@ -290,22 +208,16 @@ def _measure(groups: set[str], rounds: int, *, hurry: bool) -> dict[str, Any]:
 
 
 def _summary(runs: list[dict[str, Any]]) -> dict[str, Any]:
-    """Median seconds beside the run they belong to; all seconds are kept."""
+    """Median seconds beside the run they belong to; those of all runs are kept."""
     good = [run for run in runs if "failed" not in run and "missing" not in run]
     if not good:
         return runs[0]
-    if "first" in good[0]:
-        return _warm_summary(good)
+    if "changes" in good[0]:
+        changes = {change: _summary([run["changes"][change] for run in good]) for change in good[0]["changes"]}
+        return good[0] | {"changes": changes}
     middle = sorted(good, key=lambda run: run["seconds"])[len(good) // 2]
-    all_seconds = [run["seconds"] for run in good]
-    return middle | {"seconds": statistics.median(all_seconds), "all_seconds": all_seconds}
-
-
-def _warm_summary(runs: list[dict[str, Any]]) -> dict[str, Any]:
-    summary = dict(runs[0])
-    for part in ("first", "again"):
-        summary[part] = {change: _summary([run[part][change] for run in runs]) for change in runs[0][part]}
-    return summary
+    clock, processor = ([run[key] for run in good] for key in ("seconds", "processor"))
+    return middle | {"seconds": statistics.median(clock), "all_seconds": clock, "all_processor": processor}
 
 
 if __name__ == "__main__":

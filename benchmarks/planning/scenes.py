@@ -1,6 +1,7 @@
 """The scenes of the benchmark: bundled examples with a number changed, and trays with any number of cups.
 
-Liquids have one mode, as in the published problem, unless a scene is asked for with more.
+Examples have the whole physics, twenty modes of each liquid and heights of second order, or the published one: one mode
+and linear heights. Trays of cups have the published one.
 """
 
 from __future__ import annotations
@@ -18,54 +19,88 @@ from nospill.scene.scene import Scene
 CHANGES = ("max_slosh_height", "friction", "fill level", "placement")
 """What a cell changes between two cycles."""
 LARGER_CHANGES = ("friction 0.4", "max_slosh_height 12 mm", "placement of all", "mirror branch")
-"""What it changes less often: the last is the arm with its wrist turned over."""
-_HEIGHTS = {"max_slosh_height": "14 mm", "max_slosh_height 12 mm": "12 mm"}
-_FRICTIONS = {"friction": 0.45, "friction 0.4": 0.4}
+"""What it changes less often, of the cups on one arm: the last is the arm with its wrist turned over."""
+_HEIGHTS = {"max_slosh_height": 14 / 15, "max_slosh_height 12 mm": 12 / 15}
+_FRICTIONS = {"friction": 0.45 / 0.466308, "friction 0.4": 0.4 / 0.466308}
+_FILL = 47 / 49
+_ASIDE = 11.0
+"""mm along x; by which the first object is put aside."""
 
 _GRID = (8, 4)
 _PITCH = 0.055
 
 
-def example(name: str, *, intervals: int | None = None, modes: int = 1) -> Scene:
-    """A bundled example, on another grid where one is given."""
+def example(name: str, *, intervals: int | None = None) -> Scene:
+    """A bundled example with the published physics, on another grid where one is given."""
     table = _table(name)
-    table["planning"]["slosh_modes"] = modes
     if intervals is not None:
         table["planning"]["intervals"] = intervals
     return scene_from_table(table, name=name)
 
 
+def whole_example(name: str) -> Scene:
+    """A bundled example with the whole physics."""
+    return scene_from_table(_whole_table(name), name=name)
+
+
 def changed(name: str, change: str) -> Scene:
-    """A bundled example with one of `CHANGES` or `LARGER_CHANGES` made, the cups as they are otherwise.
+    """`example` with one of `CHANGES` or `LARGER_CHANGES` made, the objects as they are otherwise.
 
     Raises:
         ValueError: another change.
     """
-    table = _table(name)
+    if change != "mirror branch":
+        return scene_from_table(_changed(_table(name), change), name=f"{name}, {change}")
+    table, scene = _table(name), example(name)
+    start = preferred_path(paths_along(scene), scene.robot, scene.start_near).q[0]
+    mirrored = start + np.array([0.0, 0.0, 0.0, -np.pi, -2.0 * start[4], np.pi])
+    table["robot"]["home"] = [f"{angle} rad" for angle in mirrored]
+    return scene_from_table(table, name=f"{name}, {change}")
+
+
+def whole_changed(name: str, change: str) -> Scene:
+    """`whole_example` with one of `CHANGES` made.
+
+    Raises:
+        ValueError: another change.
+    """
+    return scene_from_table(_changed(_whole_table(name), change), name=f"{name}, {change}")
+
+
+def _changed(table: dict[str, Any], change: str) -> dict[str, Any]:
+    """A table with a change made in it."""
     cargo = table["cargo"]
     if change in _HEIGHTS:
-        for cup in cargo:
-            cup["max_slosh_height"] = _HEIGHTS[change]
+        for item in cargo:
+            if "max_slosh_height" in item:
+                item["max_slosh_height"] = _times(item["max_slosh_height"], _HEIGHTS[change])
     elif change in _FRICTIONS:
-        table["tray"]["friction"] = _FRICTIONS[change]
+        table["tray"]["friction"] = round(table["tray"]["friction"] * _FRICTIONS[change], 6)
     elif change == "fill level":
-        for cup in cargo:
-            # 2 mm less water in a cup of 35 mm radius is 7.7 g.
-            cup["liquid_height"], cup["mass"], cup["centre_of_mass_height"] = "47 mm", "0.1893 kg", "27.3 mm"
+        for item in cargo:
+            for key in {"liquid_height", "liquid_volume"} & item.keys():
+                item[key] = _times(item[key], _FILL)
+            if "liquid" in item and "mass" in item:
+                # 2 mm less water in a cup of 35 mm radius is 7.7 g
+                item["mass"], item["centre_of_mass_height"] = "0.1893 kg", "27.3 mm"
     elif change == "placement":
-        cargo[0]["at"] = ["-85 mm", "-60 mm"]
+        cargo[0]["at"] = _aside(cargo[0]["at"], _ASIDE)
     elif change == "placement of all":
-        for cup in cargo:
-            x, y = (float(place.removesuffix("mm")) for place in cup["at"])
-            cup["at"] = [f"{x + 20:g} mm", f"{y:g} mm"]
-    elif change == "mirror branch":
-        scene = example(name)
-        start = preferred_path(paths_along(scene), scene.robot, scene.start_near).q[0]
-        mirrored = start + np.array([0.0, 0.0, 0.0, -np.pi, -2.0 * start[4], np.pi])
-        table["robot"]["home"] = [f"{angle} rad" for angle in mirrored]
+        for item in cargo:
+            item["at"] = _aside(item["at"], 20.0)
     else:
         raise ValueError(f"change {change!r}: one of {', '.join((*CHANGES, *LARGER_CHANGES))}")
-    return scene_from_table(table, name=f"{name}, {change}")
+    return table
+
+
+def _times(quantity: str, factor: float) -> str:
+    number, unit = quantity.split()
+    return f"{float(number) * factor:.6g} {unit}"
+
+
+def _aside(place: list[str], step: float) -> list[str]:
+    """A place on the tray, put that far away along x, mm."""
+    return [f"{float(place[0].removesuffix('mm')) + step:g} mm", place[1]]
 
 
 def tray_of_cups(count: int) -> Scene:
@@ -149,7 +184,7 @@ def wells_and_vials(count: int) -> Scene:
     return scene_from_table(table, name=f"{count} wells and vials")
 
 
-UNSEEN = ("three cups", "five cups and a bottle", "seven joints")
+UNSEEN = ("three cups", "seven joints")
 """Structures that no example has."""
 
 
@@ -163,18 +198,18 @@ def unseen(name: str) -> Scene:
     if name == "three cups":
         table["cargo"] = table["cargo"][:3]
         table["path"] = _table("pp-two-cups")["path"]
-    elif name == "five cups and a bottle":
-        bottle = next(item for item in _table("mixed-tray")["cargo"] if "liquid" not in item)
-        places = [[x, y] for x in ("-130 mm", "-50 mm", "30 mm") for y in ("-60 mm", "60 mm")]
-        cups = [table["cargo"][0] | {"name": f"c{index + 1}", "at": place} for index, place in enumerate(places[:5])]
-        table["cargo"] = [*cups, bottle | {"at": ["120 mm", "0 mm"]}]
-        table["tray"]["size"] = ["400 mm", "250 mm"]
     elif name == "seven joints":
         table["robot"] = {"model": "franka-fr3", "base_position": ["0 m", "0 m", "0.6 m"]}
         table["cargo"] = table["cargo"][:2]
     else:
         raise ValueError(f"structure {name!r}: one of {', '.join(UNSEEN)}")
     return scene_from_table(table, name=name)
+
+
+def _whole_table(name: str) -> dict[str, Any]:
+    """As the example stands; those that stand as published with full fidelity."""
+    table: Any = ns.load(name).source
+    return table | {"fidelity": "full"}
 
 
 def _table(name: str) -> dict[str, Any]:

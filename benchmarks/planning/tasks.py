@@ -1,7 +1,9 @@
 """One measurement in a process of its own; prints a line of JSON. `run.py` starts these.
 
     python -m benchmarks.planning.tasks baseline liquid
-    python -m benchmarks.planning.tasks cold matrix-liquid [--intervals 200] [--modes 20]
+    python -m benchmarks.planning.tasks whole mixed-tray
+    python -m benchmarks.planning.tasks whole-warm mixed-tray
+    python -m benchmarks.planning.tasks cold matrix-liquid [--intervals 200]
     python -m benchmarks.planning.tasks cups 8
     python -m benchmarks.planning.tasks different 64
     python -m benchmarks.planning.tasks wells 132
@@ -20,6 +22,7 @@ import json
 import resource
 import sys
 import time
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -36,31 +39,21 @@ def baseline(name: str) -> dict[str, Any]:
     from benchmarks.planning.baseline import SOLVE
 
     found = SOLVE[name]()
-    return asdict(found) | {"seconds": found.build_time + found.solve_time}
+    return asdict(found) | {"seconds": found.build_time + found.solve_time, "processor": found.processor_time}
 
 
 def cold(scene: Scene) -> dict[str, Any]:
     """The first plan of a process, certificate included."""
-    began = time.perf_counter()
-    found = plan(scene)
-    return _outcome(found, time.perf_counter() - began)
+    return _timed(lambda: plan(scene))
 
 
-def warm(name: str) -> dict[str, Any]:
-    """Plans again after each change, as the planner of the unchanged scene does; then once more, everything built."""
+def warm(scene: Scene, changes: Mapping[str, Scene]) -> dict[str, Any]:
+    """Plans again after each change, as the planner of the unchanged scene does, the first time in its process."""
     cell = Planner()
-    base = cell.plan(scenes.example(name))
-    changes = {change: scenes.changed(name, change) for change in (*scenes.CHANGES, *scenes.LARGER_CHANGES)}
-    passes = []
-    for _ in range(2):
-        figures = {}
-        for change, scene in changes.items():
-            planner = copy.copy(cell)  # with what it remembers
-            began = time.perf_counter()
-            found = planner.plan(scene)
-            figures[change] = _outcome(found, time.perf_counter() - began)
-        passes.append(figures)
-    return {"duration": base.duration, "first": passes[0], "again": passes[1]}
+    base = cell.plan(scene)
+    # each by a planner with what that one remembers
+    figures = {change: _timed(lambda other=other: copy.copy(cell).plan(other)) for change, other in changes.items()}
+    return {"duration": base.duration, "changes": figures}
 
 
 def level_toppra(name: str) -> dict[str, Any]:
@@ -71,16 +64,22 @@ def level_toppra(name: str) -> dict[str, Any]:
         return {"missing": str(error)}
     scene = scenes.example(name)
     solve(scene)  # its own imports and first calls
-    began = time.perf_counter()
+    began = time.perf_counter(), time.process_time()
     duration = solve(scene)
-    return {"seconds": time.perf_counter() - began, "duration": duration}
+    return _since(*began) | {"duration": duration}
 
 
-def _outcome(found: Plan, seconds: float) -> dict[str, Any]:
-    report = found.report
-    return {
-        "seconds": seconds,
+def _since(clock: float, processor: float) -> dict[str, float]:
+    return {"seconds": time.perf_counter() - clock, "processor": time.process_time() - processor}
+
+
+def _timed(planned: Callable[[], Plan]) -> dict[str, Any]:
+    began = time.perf_counter(), time.process_time()
+    found = planned()
+    times, report = _since(*began), found.report
+    return times | {
         "duration": found.duration,
+        "warm": report.warm,
         "certified": found.certificate.ok,
         "iterations": report.iterations,
         "rounds": report.rounds,
@@ -94,7 +93,13 @@ def _measured(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.task == "baseline":
         return baseline(what)
     if arguments.task == "warm":
-        return warm(what)
+        changes = (*scenes.CHANGES, *scenes.LARGER_CHANGES)
+        return warm(scenes.example(what), {change: scenes.changed(what, change) for change in changes})
+    if arguments.task == "whole":
+        return cold(scenes.whole_example(what))
+    if arguments.task == "whole-warm":
+        changed = {change: scenes.whole_changed(what, change) for change in scenes.CHANGES}
+        return warm(scenes.whole_example(what), changed)
     if arguments.task == "toppra":
         return level_toppra(what)
     if arguments.task == "cups":
@@ -105,16 +110,16 @@ def _measured(arguments: argparse.Namespace) -> dict[str, Any]:
         return cold(scenes.wells_and_vials(int(what)))
     if arguments.task == "unseen":
         return cold(scenes.unseen(what))
-    return cold(scenes.example(what, intervals=arguments.intervals, modes=arguments.modes))
+    return cold(scenes.example(what, intervals=arguments.intervals))
 
 
 def main() -> None:
     """Measure what the command line asks for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("task", choices=("baseline", "cold", "cups", "different", "wells", "unseen", "warm", "toppra"))
+    tasks = ("baseline", "cold", "cups", "different", "wells", "unseen", "warm", "whole", "whole-warm", "toppra")
+    parser.add_argument("task", choices=tasks)
     parser.add_argument("what")
     parser.add_argument("--intervals", type=int)
-    parser.add_argument("--modes", type=int, default=1)
     found = _measured(parser.parse_args())
     # Linux counts ru_maxrss in KiB, macOS in bytes.
     unit = 1 if sys.platform == "darwin" else 1024

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from benchmarks.planning import baseline, report, scenes
+from benchmarks.planning import baseline, measurements, report, rows, scenes
 from nospill.core.frames import SX
 from nospill.core.trees import constants
 from nospill.laws.like_objects import hull_objects
@@ -181,10 +181,21 @@ def test_grid_of_an_example_can_be_set() -> None:
 
 
 def test_targets_are_judged_in_their_direction() -> None:
-    assert report.Line("a", 1.0, 70.0, "", 60.0, most=False).verdict == "met"
-    assert report.Line("a", 1.0, 50.0, "", 60.0, most=False).verdict == "missed"
-    assert report.Line("a", 1.0, 0.4, "", 0.5).verdict == "met"
-    assert report.Line("a", 1.0).verdict == ""
+    assert rows.Line("a", [1.0], ratio=70.0, target=60.0, most=False).verdict == "met"
+    assert rows.Line("a", [1.0], ratio=50.0, target=60.0, most=False).verdict == "missed"
+    assert rows.Line("a", [1.0], ratio=0.4, target=0.5).verdict == "met"
+    assert rows.Line("a", [1.0]).verdict == ""
+
+
+def test_lines_have_the_median_and_nearly_the_longest_run_of_clock_and_processor() -> None:
+    line = rows.Line("a", [1.0, 2.0, 3.0], [0.5], ratio=0.5, of="of b", target=0.25)
+    assert line.cells == ["a", "2.000", "2.960", "0.500", "", "0.5", "of b", "≤ 0.25", "missed"]
+
+
+def measured(*seconds: float, **figures: Any) -> dict[str, Any]:
+    """A measurement of some runs, the processor half as long as the clock."""
+    runs = {"all_seconds": list(seconds), "all_processor": [0.5 * one for one in seconds]}
+    return runs | {"seconds": seconds[0], "run": "today"} | figures
 
 
 def test_table_skips_what_was_not_measured(tmp_path: Path) -> None:
@@ -192,8 +203,8 @@ def test_table_skips_what_was_not_measured(tmp_path: Path) -> None:
     results = {
         "machine": stated | {"commit": "abc", "changed_since": False},
         "measurements": {
-            "baseline liquid": {"seconds": 75.0, "iterations": 500},
-            "cold matrix-liquid": {"seconds": 0.5, "certified": True, "peak_memory_mb": 150.0},
+            "baseline liquid": measured(75.0, iterations=500),
+            "one mode: cold matrix-liquid": measured(0.5, certified=True, peak_memory_mb=150.0),
             "toppra, rigid on a level tray": {"missing": "No module named 'toppra'"},
         },
     }
@@ -202,16 +213,42 @@ def test_table_skips_what_was_not_measured(tmp_path: Path) -> None:
     report.write_page(results, page)
     printed = page.read_text()
     assert printed.startswith("before") and printed.endswith("after\n") and "yesterday" not in printed
-    assert "| cold matrix-liquid | 0.500 | 150 | times faster than baseline liquid | ≥ 100 | met |" in printed
+    assert "whole physics" not in printed
+    assert (
+        "| one mode: cold matrix-liquid | 0.500 |  | 0.250 |  | 150 | times faster than baseline liquid | ≥ 100 | met |"
+    ) in printed
     assert "not measured: toppra" in printed
 
 
+def test_changed_scenes_are_compared_with_the_cold_plan_of_the_example() -> None:
+    changes = {change: measured(1.0, 1.2, warm=change != "friction") for change in scenes.CHANGES}
+    found = rows.Found({"cold mixed-tray": measured(4.0, duration=2.0), "warm mixed-tray": {"changes": changes}})
+    cold, warm = rows.whole(found)
+    assert (cold.ratio, cold.verdict) == (2.0, "missed")
+    assert (warm.what, warm.ratio, warm.verdict) == (
+        "changed mixed-tray (1 planned anew)",
+        pytest.approx(0.275),
+        "missed",
+    )
+    assert len(warm.clock) == len(warm.processor) == 8
+
+
 def test_a_baseline_that_did_not_converge_is_compared_with_nothing() -> None:
-    baseline = {"seconds": 95.0, "iterations": 700, "status": "Maximum_Iterations_Exceeded"}
-    found = {"baseline liquid": baseline, "cold matrix-liquid": {"seconds": 0.5}}
-    first, cold, *_ = report.lines({"measurements": found})
+    baseline = measured(95.0, iterations=700, status="Maximum_Iterations_Exceeded")
+    found = rows.Found({"baseline liquid": baseline, "one mode: cold matrix-liquid": measured(0.5)})
+    first, cold = rows.published(found)
     assert first.what.endswith("(700 iterations, not converged)")
-    assert (cold.seconds, cold.ratio, cold.verdict) == (0.5, None, "")
+    assert (cold.ratio, cold.verdict) == (None, "")
+
+
+@pytest.mark.parametrize("name", measurements.WHOLE_EXAMPLES)
+def test_a_change_of_an_example_with_the_whole_physics_changes_numbers_alone(name: str) -> None:
+    stated = scenes.whole_example(name)
+    assert (stated.fidelity, stated.slosh_modes, stated.motion.slosh_height) == ("full", 20, "second order")
+    for change in scenes.CHANGES:
+        other = scenes.whole_changed(name, change)
+        assert structure_of(other) == structure_of(stated), change
+        assert repr(numbers_of(other)) != repr(numbers_of(stated)), change
 
 
 def test_pyramids_lie_inside_the_cones(rigid: Scene) -> None:
