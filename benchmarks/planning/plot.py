@@ -37,14 +37,15 @@ def save_plot(results: dict[str, Any], place: Path) -> None:
             if (match := re.fullmatch(name, key)) and "seconds" in value
         )
         if points:
-            growth.loglog(*zip(*points, strict=True), marker=marker, label=label)
+            growth.plot(*zip(*points, strict=True), marker=marker, label=label)
     growth.set_xlabel("number")
     growth.set_ylabel("time of a cold plan / s")
-    for axis, labelled in ((growth.xaxis, (1.0,)), (growth.yaxis, (1.0, 2.0, 5.0))):  # 0.5, 1, 2 instead of powers
-        axis.set_major_locator(LogLocator(subs=labelled))
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter("")
     growth.grid(alpha=0.3)
     if growth.lines:
+        growth.set(xscale="log", yscale="log")
+        for axis, labelled in ((growth.xaxis, (1.0,)), (growth.yaxis, (1.0, 2.0, 5.0))):  # 0.5, 1, 2 instead of powers
+            axis.set_major_locator(LogLocator(subs=labelled))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter("")
         growth.legend(loc="upper left", fontsize=7)
     figure.savefig(place, dpi=130)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 from nospill.laws.like_objects import bearable_acceleration, hull_objects, least_tolerant_objects
 from nospill.laws.scene_parameters import numbers_of
@@ -44,6 +46,17 @@ def test_of_a_row_the_ends_are_left() -> None:
 def test_two_or_three_apart_are_all_left() -> None:
     assert outer(GRID[:2]) == ["c1", "c2"]
     assert outer([(0, 0), (80, 0), (0, 80)]) == ["c1", "c2", "c3"]
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, 1.2])
+def test_the_corners_are_those_of_a_hull_wherever_places_lie(turn: float) -> None:
+    """A grid turned by any angle, whose sides are straight to rounding alone, with its middle one put beside it."""
+    cosine, sine = np.cos(turn), np.sin(turn)
+    along = np.array([*GRID[:4], (90.0, 7.0), *GRID[5:]]) @ np.array([[cosine, sine], [-sine, cosine]])
+    expected = {f"c{vertex + 1}" for vertex in ConvexHull(along).vertices}
+    scene = cups(GRID)
+    moved = tuple(replace(cargo, position=1e-3 * place) for cargo, place in zip(scene.cargo, along, strict=True))
+    assert {cargo.name for cargo in hull_objects(replace(scene, cargo=moved))} == expected
 
 
 @pytest.mark.parametrize(
