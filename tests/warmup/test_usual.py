@@ -20,8 +20,7 @@ from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.settings import changed_table
 from nospill.scene.carriers import with_modes
 from nospill.transcription import export_samples, object_block, tray_block
-from nospill.transcription.solvers.linear_solvers import ldl_library
-from nospill.warmup.usual import Part, usual_parts
+from nospill.warmup.usual import Part, compile_libraries, usual_parts
 
 Entry = tuple[str, Structure]
 
@@ -45,8 +44,8 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Entry]]:
 
 
 def usual_laws() -> list[Part]:
-    """The usual parts but the linear solver, which is no function of the laws."""
-    return [part for part in usual_parts() if part.make is not ldl_library]
+    """The usual parts but the libraries in C, which are no functions of the laws."""
+    return [part for part in usual_parts() if part.make is not compile_libraries]
 
 
 def ask(*makers: Callable[[], object]) -> None:

@@ -38,7 +38,9 @@ def small_library(name: str, *, wait: bool) -> Path | None:
         if compiler is not None and take(lock):
             folder = Path(tempfile.mkdtemp(dir=library.parent, prefix="build-"))
             (folder / "made.c").write_text(libraries.source(name), encoding="utf-8")
-            compile_libraries([(library, lock, folder)], (compiler, *libraries.FLAGS), wait=wait or mode() == "wait")
+            compile_libraries(
+                [(library, lock, folder)], (compiler, *libraries.flags(name)), wait=wait or mode() == "wait"
+            )
         elif compiler is not None and wait:
             await_release(lock)
         if is_whole(library):

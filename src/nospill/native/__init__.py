@@ -1,1 +1,1 @@
-"""Libraries in C: the linear solver and the interpreter of tapes."""
+"""Libraries in C: the linear solver, the interpreter of tapes and the nonlinear flow in cups."""

@@ -15,6 +15,8 @@ from nospill.native import operations
 
 FLAGS = ("-O3", "-std=c99", "-shared", "-fPIC")
 """Of the compiler; C99 by itself contracts no products and sums."""
+_CONTRACTED = ("flow",)
+"""Libraries in which products and sums are fused where a processor can: of what Python computes by no fixed order."""
 
 PREBUILT = Path(__file__).with_name("prebuilt")
 """Where a wheel has the compiled libraries."""
@@ -22,6 +24,7 @@ PREBUILT = Path(__file__).with_name("prebuilt")
 _FILES = {
     "ldl": ("pivot_order.c", "pivot_tree.c", "supernodes.c", "kept_order.c", "dense_update.c", "sparse_ldl.c"),
     "interpreter": ("interpreter.c",),
+    "flow": ("flow_vectors.c", "polar_flow.c", "polar_steps.c"),
 }
 """The files of each, compiled as one."""
 LIBRARIES = tuple(_FILES)
@@ -34,9 +37,14 @@ def source(name: str) -> str:
     return "\n".join([*([operations.interpreted()] if name == "interpreter" else []), *parts])
 
 
+def flags(name: str) -> tuple[str, ...]:
+    """Of the compiler, for a library."""
+    return (*FLAGS, "-ffp-contract=fast") if name in _CONTRACTED else FLAGS
+
+
 def file_name(name: str) -> str:
     """Of a compiled library."""
-    digest = hashlib.sha256("\0".join((*FLAGS, source(name))).encode())
+    digest = hashlib.sha256("\0".join((*flags(name), source(name))).encode())
     return f"{name}-{digest.hexdigest()[:32]}.so"
 
 
@@ -53,7 +61,7 @@ def compile_into(folder: Path, compiler: str) -> None:
     """
     folder.mkdir(parents=True, exist_ok=True)
     for name in LIBRARIES:
-        command = [compiler, *FLAGS, "-x", "c", "-", "-o", str(folder / file_name(name)), "-lm"]
+        command = [compiler, *flags(name), "-x", "c", "-", "-o", str(folder / file_name(name)), "-lm"]
         subprocess.run(command, input=source(name), text=True, check=True)
 
 

@@ -5,16 +5,19 @@ Rows are (9, 2 m + 1) at the ends and middles of m steps, about the middle of th
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from nospill.core.hermite import cubic_hermite
 from nospill.potential_flow.basin import Basin
+from nospill.potential_flow.compiled_steps import Steps, compiled_steps
 from nospill.potential_flow.integration import runge_kutta
 from nospill.potential_flow.nonlinear import full_flow, room_of
 from nospill.potential_flow.orders import LinearTerms, first_order, second_order, second_order_sources
 
 _CHECKED = 20
-"""Steps after which states of several containers are looked at."""
+"""Steps after which states are looked at."""
 _HIGHEST = 1.84
 """Heights over 1/k of the slowest mode, a cup's radius, from which on a state is none of a flow any more."""
 
@@ -59,12 +62,12 @@ def _with_middles(terms: LinearTerms, states: np.ndarray, rows: np.ndarray, step
 
 def whole_flow(terms: LinearTerms, start: np.ndarray, rows: np.ndarray, step: float) -> np.ndarray:
     """States (n, 2, J) of the full flow, n <= m + 1: as far as it goes."""
-    modes, highest, room = terms.basin.modes, greatest_height(terms.basin), room_of(terms.basin)
-
-    def holds(state: np.ndarray) -> bool:
-        return bool(np.all(np.isfinite(state)) and np.max(np.abs(modes.shape @ state[0])) < highest)
-
-    return runge_kutta(lambda state, row: full_flow(terms, state, row, room), start, rows, step, holds=holds)
+    parts = [start[None, None]]
+    for states, holds in _followed(terms, parts[0][0], rows[..., None], step):
+        parts.append(states[1:] if np.all(holds) else states[1 : np.argmin(holds[:, 0])])
+        if not np.all(holds):
+            break
+    return np.concatenate(parts)[:, 0]
 
 
 def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
@@ -79,25 +82,46 @@ def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> tuple[np.nda
         Them, NaN for a container whose flow breaks down, and the steps (c,) that each goes through.
     """
     state = np.zeros((rows.shape[2], 2, len(terms.stiffness)))
-    reached = np.full(len(state), rows.shape[1] // 2)
-    modes, highest = terms.basin.modes, greatest_height(terms.basin)
-    room = room_of(terms.basin, len(state))
-
-    def rate(now: np.ndarray, row: np.ndarray) -> np.ndarray:
-        return full_flow(terms, now, row, room)
-
-    with np.errstate(invalid="ignore"):
-        for first in range(0, rows.shape[1] - 1, 2 * _CHECKED):
-            part = rows[:, first : first + 2 * _CHECKED + 1]
-            states = runge_kutta(rate, state, part, step, holds=lambda _: True)
-            holds = np.max(np.abs(states[:, :, 0] @ modes.shape.T), axis=2) < highest
-            lost = ~np.all(holds, axis=0)
-            through = np.maximum(first // 2 + np.argmin(holds, axis=0) - 1, 0)
-            reached = np.where(lost, np.minimum(reached, through), reached)
-            state = np.where(lost[:, None, None], np.nan, states[-1])
-            if np.all(lost):
-                break
+    reached, gone = np.full(len(state), rows.shape[1] // 2), 0
+    for states, holds in _followed(terms, state, rows, step):
+        lost = ~np.all(holds, axis=0)
+        through = np.maximum(gone + np.argmin(holds, axis=0) - 1, 0)
+        reached = np.where(lost, np.minimum(reached, through), reached)
+        state = np.where(lost[:, None, None], np.nan, states[-1])
+        gone += len(states) - 1
     return state, reached
+
+
+def _followed(
+    terms: LinearTerms, state: np.ndarray, rows: np.ndarray, step: float
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """States (n + 1, c, 2, J) of the full flow, some steps at a time, and whether each is one of a flow (n + 1, c).
+
+    A container whose flow has broken down goes on as NaN, until all have.
+    """
+    shape, highest = terms.basin.modes.shape, greatest_height(terms.basin)
+    steps = compiled_steps(terms) or _interpreted_steps(terms, len(state))
+    for first in range(0, rows.shape[1] - 1, 2 * _CHECKED):
+        states = steps(state, rows[:, first : first + 2 * _CHECKED + 1], step)
+        with np.errstate(invalid="ignore"):
+            holds = np.max(np.abs(states[:, :, 0] @ shape.T), axis=2) < highest
+        yield states, holds
+        lost = ~np.all(holds, axis=0)
+        if np.all(lost):
+            break
+        state = np.where(lost[:, None, None], np.nan, states[-1])
+
+
+def _interpreted_steps(terms: LinearTerms, count: int) -> Steps:
+    """Steps of `count` containers as `compiled_steps` has them, of any shape."""
+    room = room_of(terms.basin, count)
+
+    def steps(start: np.ndarray, rows: np.ndarray, step: float) -> np.ndarray:
+        return runge_kutta(
+            lambda state, row: full_flow(terms, state, row, room), start, rows, step, holds=lambda _: True
+        )
+
+    return steps
 
 
 def greatest_height(basin: Basin) -> float:

@@ -21,6 +21,25 @@ _WALL_POINTS = 144
 
 
 @dataclass(frozen=True, slots=True)
+class Polar:
+    """The modes of a disc as W waves on G rings: a radial function times the cosine, and the sine where m > 0.
+
+    Attributes:
+        diameters: (W,) m of each wave, whose modes stand one after the other.
+        radial: (W, G) F over that cosine or sine.
+        outward: (W, G) its slope, 1/m.
+        radius: (G,) of the rings, m; the points of a ring stand one after the other.
+        angle: (S,) of the points of each, rad, in the middle of equal parts.
+    """
+
+    diameters: np.ndarray
+    radial: np.ndarray
+    outward: np.ndarray
+    radius: np.ndarray
+    angle: np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
 class SurfaceModes:
     """Modes of a cross-section, J of them, at P points inside and V on the wall.
 
@@ -37,6 +56,7 @@ class SurfaceModes:
         turn: (2, P) Zhukovsky's potential of a turn about the vertical: its gradient Z less (-y, x), m; the velocity
             of the liquid past the wall when the container turns with 1 rad/s under a closed surface.
         turn_potential: (P,) the potential itself, m^2; zero in a disc.
+        polar: the same modes of a disc; None of a rectangle.
     """
 
     wave_number: np.ndarray
@@ -50,6 +70,7 @@ class SurfaceModes:
     wall_slope: np.ndarray
     turn: np.ndarray
     turn_potential: np.ndarray
+    polar: Polar | None = None
 
     @property
     def norm(self) -> np.ndarray:
@@ -77,20 +98,15 @@ def disc_modes(radius: float, waves: list[tuple[int, int]]) -> SurfaceModes:
         radius: R, m.
         waves: (m, n) nodal diameters and number, counted from 1, of the root of J_m'.
     """
-    most = max(diameters for diameters, _ in waves)
-    rings = 6 + 2 * max(circle for _, circle in waves) + most // 3
-    spokes = max(5 * most // 2 + 3, 8)
-    node, weight = np.polynomial.legendre.leggauss(rings)
-    r = np.repeat(radius * (node + 1) / 2, spokes)
-    angle = np.tile(2 * np.pi * (np.arange(spokes) + 0.5) / spokes, rings)
-    area = np.repeat(radius * weight / 2, spokes) * r * 2 * np.pi / spokes
+    polar, area = _rings(radius, waves)
+    spokes, rings = len(polar.angle), len(polar.radius)
+    r, angle = np.repeat(polar.radius, spokes), np.tile(polar.angle, rings)
     around = 2 * np.pi * np.arange(_WALL_POINTS) / _WALL_POINTS
     c, s = np.cos(angle), np.sin(angle)
     columns: dict[str, list[np.ndarray]] = {"k": [], "f": [], "x": [], "y": [], "wall": [], "along": []}
-    for diameters, circle in waves:
-        root = slope_root(diameters, circle)
-        k, top = root / radius, float(bessel(diameters, root))
-        radial, outward = bessel(diameters, k * r) / top, k * bessel_slope(diameters, k * r) / top
+    for (diameters, circle), *of_rings in zip(waves, polar.radial, polar.outward, strict=True):
+        k = slope_root(diameters, circle) / radius
+        radial, outward = (np.repeat(values, spokes) for values in of_rings)
         for quarter in (0.0, np.pi / 2)[: 1 if diameters == 0 else 2]:  # cos(m theta - pi/2) is the sine
             phase, wall_phase = diameters * angle - quarter, diameters * around - quarter
             out, across = outward * np.cos(phase), -diameters * radial / r * np.sin(phase)
@@ -105,7 +121,7 @@ def disc_modes(radius: float, waves: list[tuple[int, int]]) -> SurfaceModes:
     return SurfaceModes(
         wave_number=read_only(stacked["k"]),
         points=read_only(points),
-        weight=read_only(area),
+        weight=read_only(np.repeat(area, spokes)),
         shape=read_only(stacked["f"]),
         slope=read_only(np.stack([stacked["x"], stacked["y"]])),
         wall=read_only(radius * np.column_stack([np.cos(around), np.sin(around)])),
@@ -114,7 +130,30 @@ def disc_modes(radius: float, waves: list[tuple[int, int]]) -> SurfaceModes:
         wall_slope=read_only(stacked["along"]),
         turn=read_only(np.stack([points[:, 1], -points[:, 0]])),
         turn_potential=read_only(np.zeros(len(points))),
+        polar=polar,
     )
+
+
+def _rings(radius: float, waves: list[tuple[int, int]]) -> tuple[Polar, np.ndarray]:
+    """The waves on rings, and the area (G,), m^2, of each point of a ring."""
+    most = max(diameters for diameters, _ in waves)
+    spokes = max(5 * most // 2 + 3, 8)
+    node, weight = np.polynomial.legendre.leggauss(6 + 2 * max(circle for _, circle in waves) + most // 3)
+    r = radius * (node + 1) / 2
+    radial, outward = [], []
+    for diameters, circle in waves:
+        root = slope_root(diameters, circle)
+        k, top = root / radius, float(bessel(diameters, root))
+        radial.append(bessel(diameters, k * r) / top)
+        outward.append(k * bessel_slope(diameters, k * r) / top)
+    polar = Polar(
+        diameters=read_only([diameters for diameters, _ in waves]),
+        radial=read_only(np.array(radial)),
+        outward=read_only(np.array(outward)),
+        radius=read_only(r),
+        angle=read_only(2 * np.pi * (np.arange(spokes) + 0.5) / spokes),
+    )
+    return polar, radius * weight / 2 * r * 2 * np.pi / spokes
 
 
 def disc_shapes(radius: float, waves: list[tuple[int, int]], points: np.ndarray) -> np.ndarray:

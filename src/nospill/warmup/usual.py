@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from nospill.certification.replay import liquid_steps
 from nospill.certification.traces import object_figures_function, tray_figures_function
+from nospill.compiled.small_libraries import small_library
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import motion_kind, object_kind, tray_kind
 from nospill.laws.parameters import Structure
@@ -51,11 +52,17 @@ def _arm_parts(arm: ArmChain, name: str) -> Iterator[Part]:
         yield Part(label, lambda held=held: step_functions(kinematics(arm), held=held))
 
 
+def compile_libraries() -> None:
+    """Have the libraries in C that plans wait for or do without."""
+    ldl_library()
+    small_library("flow", wait=True)
+
+
 def usual_parts() -> Iterator[Part]:
-    """The linear solver; the arms of the catalogue level and tilting, with the limits known of them; the objects."""
+    """The libraries in C; the arms of the catalogue level and tilting, with the limits known of them; the objects."""
     solids = {"solid cylinder": _object("cylinder", liquid=False), "solid box": _object("box", liquid=False)}
     cups = {"cylinder": _object("cylinder", liquid=True), "box": _object("box", liquid=True)}
-    yield Part("linear solver", ldl_library)
+    yield Part("linear solver, nonlinear flow", compile_libraries)
     for robot in ROBOTS:
         trays = {tray: structure_of(_scene(solids, tray, robot=robot)) for tray in _TRAYS}
         yield from _arm_parts(trays[_TRAYS[0]], robot)
