@@ -104,7 +104,7 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path)
     parser.add_argument("--cases", type=int, default=100)
     parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--residual", choices=("linear", "second order"), default="linear")
+    parser.add_argument("--residual", choices=("linear", "second order", "nonlinear"), default="linear")
     parser.add_argument("--keep", type=Path)
     parser.add_argument("--table", type=Path)
     given = parser.parse_args()

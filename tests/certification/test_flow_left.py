@@ -94,10 +94,30 @@ def test_a_flow_that_breaks_down_is_told_apart(
     lost = AtEnd(np.full((2, len(flow_terms(cup()).stiffness)), np.nan), 0.62)
     monkeypatch.setattr(flow_left, "states_at_end", lambda objects, *_: [lost] * len(objects))
     rows = tuple(replace(row, ok=row.id != (_RESIDUAL, "cup")) for row in judgement.certificate.rows)
-    over = replace(judgement, certificate=replace(judgement.certificate, rows=rows))
+    again = replace(judgement.replay)  # whose flow is not kept
+    over = replace(judgement, replay=again, certificate=replace(judgement.certificate, rows=rows))
     (warning,) = [item for item in plan_warnings(scene, over, {}) if item.name == "flow"]
     assert warning.subject == "cup" and "breaks down at 0.62 s" in warning.text
     assert not [item for item in plan_warnings(scene, judgement, {}) if item.name == "flow"]
+
+
+def test_a_motion_is_followed_once(judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, _, judgement = judged
+    asked: list[int] = []
+    found = flow_left.states_at_end
+
+    def counted(objects: list[Cargo], t: np.ndarray, body: np.ndarray) -> list[AtEnd]:
+        asked.append(len(t))
+        return found(objects, t[:2], body[:, :2])
+
+    monkeypatch.setattr(flow_left, "states_at_end", counted)
+    played = replace(judgement.replay)
+    one, same, earlier, other = (
+        left_by_flow(scene, motion, index)["cup"].state
+        for motion, index in ((played, -1), (played, len(played.t) - 1), (played, 5), (replace(played), 5))
+    )
+    assert one is same and earlier is not other
+    assert asked == [len(played.t), 6, 6]
 
 
 def test_it_is_refused_where_slosh_heights_are_linear(judged: tuple[Scene, Judgement, Judgement]) -> None:

@@ -8,6 +8,8 @@ judge's own, are added as they are.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -16,11 +18,14 @@ from nospill.certification.wall_heights import INSTANTS, highest_on_wall
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.potential_flow import flow_terms, greatest_height, height_gains, states_at_end
+from nospill.potential_flow.at_end import AtEnd
 from nospill.potential_flow.basin import Basin
 from nospill.scene.cargo import Cargo
 from nospill.scene.heights import by_nonlinear_flow
 from nospill.scene.scene import Scene
 from nospill.scene.sloshing.modes import wall_gains
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,8 +84,8 @@ def left_by_flow(scene: Scene, played: Replay, index: int) -> dict[str, Left]:
     order, residual = scene.motion.slosh_height, scene.motion.residual_height
     pairs = zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
     followed = [(cargo, own) for cargo, own in pairs if by_nonlinear_flow(cargo, order, residual)]
-    until = index % len(played.t) + 1
-    states = states_at_end([cargo for cargo, _ in followed], played.t[:until], played.body[:, :until])
+    objects = tuple(_Itself(cargo) for cargo, _ in followed)
+    states = _states_at(objects, _Itself(played), index % len(played.t))
     return {
         cargo.name: Left(
             cargo,
@@ -92,3 +97,23 @@ def left_by_flow(scene: Scene, played: Replay, index: int) -> dict[str, Left]:
         )
         for (cargo, own), at_end in zip(followed, states, strict=True)
     }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Itself(Generic[_T]):
+    """An object as a key: equal is what is the same object."""
+
+    value: _T
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Itself) and other.value is self.value
+
+    def __hash__(self) -> int:
+        return id(self.value)
+
+
+@lru_cache(maxsize=1)
+def _states_at(objects: tuple[_Itself[Cargo], ...], played: _Itself[Replay], index: int) -> list[AtEnd]:
+    """Of these liquids at an instant; kept, since warnings and figures ask for what the judge has asked for."""
+    motion = played.value
+    return states_at_end([item.value for item in objects], motion.t[: index + 1], motion.body[:, : index + 1])

@@ -149,7 +149,8 @@ def _relaxed(judged: Judged, log: Log) -> Judged:
     if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
         with suppress(NoSolutionError):
             again = _tighten(last, relaxed, log)
-            refined = again and _refine_until_certified(again, log, below=end)
+            heaviest = last.active.jerk_weight_factor if last.active.task.may_be_driven else math.inf
+            refined = again and _refine_until_certified(again, log, below=end, heaviest=heaviest)
             if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
                 return refined
     return judged
@@ -178,10 +179,13 @@ def _lightened(judged: Judged, log: Log) -> Judged:
     return judged
 
 
-def _refine_until_certified(candidate: Candidate, log: Log, *, below: float = math.inf) -> Judged:
+def _refine_until_certified(
+    candidate: Candidate, log: Log, *, below: float = math.inf, heaviest: float = math.inf
+) -> Judged:
     """`certify_by_refinement` without that last solve; raises the same.
 
-    Given up, uncertified, once it takes as long as `below`, s: what joins a problem or is kept from it shortens none.
+    Given up, uncertified, once it takes as long as `below`, s: what joins a problem or is kept from it shortens none;
+    and once jerks are to weigh more than by the factor `heaviest`.
     Over a range of speeds that is not reached, the motion that holds furthest down it.
     """
     judged = furthest = _judge(candidate, log)
@@ -193,6 +197,8 @@ def _refine_until_certified(candidate: Candidate, log: Log, *, below: float = ma
         before, certified = judged.candidate, judged.judgement.certificate.ok
         active = before.active.after(judged.judgement, before.solution.slack)
         if active is before.active or (certified and active.scene is not before.active.scene):
+            break
+        if active.jerk_weight_factor > heaviest:
             break
         log.rounds += 1
         if active.scene is before.active.scene:
