@@ -21,6 +21,7 @@ from nospill.planning.driven_waves import (
     as_carried,
     far_over,
     first_jerk_weight,
+    relaxed_by_flow,
     smooth_enough,
     steadier,
     steadier_backoff,
@@ -91,6 +92,17 @@ def test_with_them_the_rows_that_are_over_get_back_off() -> None:
     raised = steadier_backoff([over, under], {"cup", "mug"}, backoff)
     assert raised == {**backoff, over.id: pytest.approx(0.625)}
     assert steadier_backoff([over], {"cup"}, {over.id: 0.8}) == {over.id: 0.8}
+
+
+def test_crests_get_no_more_back_than_what_is_left_allows() -> None:
+    near, far, full = _left(0.93), _left(0.3, "mug"), _left(0.99, "jug")
+    crest = {name: RowId("slosh height", name) for name in ("cup", "mug", "jug", "box")}
+    backoff = dict.fromkeys(crest.values(), 0.3)
+    relaxed = dict.fromkeys(crest.values(), 0.1)
+    found = relaxed_by_flow(relaxed, [near, far, full], {"cup", "mug", "jug"}, backoff)
+    room = (1.0 - found[crest["cup"]]) / 0.7
+    assert 0.9 < 0.93 * room**3 < 0.95  # what a finer grid may find is in it
+    assert found[crest["mug"]] == found[crest["box"]] == 0.1 and found[crest["jug"]] == 0.3
 
 
 def test_their_row_is_one_like_others() -> None:

@@ -15,8 +15,8 @@ from nospill.native import operations
 
 FLAGS = ("-O3", "-std=c99", "-shared", "-fPIC")
 """Of the compiler; C99 by itself contracts no products and sums."""
-_CONTRACTED = ("flow",)
-"""Libraries in which products and sums are fused where a processor can: of what Python computes by no fixed order."""
+_OF_VECTORS = ("-ffp-contract=fast", "-Wno-psabi")
+"""Of the flow besides: products and sums are fused where a processor can; no function that is called takes a vector."""
 
 PREBUILT = Path(__file__).with_name("prebuilt")
 """Where a wheel has the compiled libraries."""
@@ -39,7 +39,7 @@ def source(name: str) -> str:
 
 def flags(name: str) -> tuple[str, ...]:
     """Of the compiler, for a library."""
-    return (*FLAGS, "-ffp-contract=fast") if name in _CONTRACTED else FLAGS
+    return (*FLAGS, *_OF_VECTORS) if name == "flow" else FLAGS
 
 
 def file_name(name: str) -> str:

@@ -27,6 +27,7 @@ from nospill.planning.driven_waves import (
     as_carried,
     far_over,
     first_jerk_weight,
+    relaxed_by_flow,
     smooth_enough,
     steadier,
     steadier_backoff,
@@ -359,7 +360,8 @@ class ActiveSet:
         """The set without most of the back-off that a certified motion shows to be more than is needed."""
         own = list(self._on_members(self._judged(judgement), own=True))
         relaxed = relaxed_backoff(self.backoff, uses_of(row for row in own if row.linear_value is None))
-        return replace(self, backoff={**relaxed, **relaxed_by_order(own, self.backoff)})
+        relaxed = {**relaxed, **relaxed_by_order(own, self.backoff)}
+        return replace(self, backoff=relaxed_by_flow(relaxed, own, self._driven, self.backoff))
 
     def lightened(self, judgement: Judgement) -> ActiveSet:
         """The set with jerks that weigh less, after a motion that holds; itself where they are not known to weigh much.

@@ -14,6 +14,7 @@ from dataclasses import replace
 from nospill.certification.verdict import Row
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.residual_height import ResidualHeight
+from nospill.laws.constraints.slosh_height import SloshHeight
 
 FIRST_BACKOFF = 0.5
 """Of the row on the final state: the optimiser has the root of the squares, the judge the flow's highest surface."""
@@ -27,6 +28,8 @@ _SHARE, _MOST_ROOM = 0.25, 0.75
 """Part of what back-off leaves the waves of the problem that they lose at once beside that, and the most of it."""
 _FALLS, _LEAST, _MOST = 2.0, 1.25, 5.0
 """The weights of the jerks rise with this power of the use, and by what at least and at most."""
+_STEEPLY, _AIM = 3.0, 0.95
+"""Power of the crests with which waves of the third order grow, and the use that crests get room for; it scatters."""
 
 
 def as_carried(row: Row) -> Row:
@@ -77,6 +80,28 @@ def steadier_backoff(
     for row in {row.id for row in _left(rows, driven) if row.shortfall > 0.0} & backoff.keys():
         raised[row] = max(backoff[row], min(backoff[row] + _SHARE * (1.0 - backoff[row]), _MOST_ROOM))
     return raised
+
+
+def relaxed_by_flow(
+    relaxed: Mapping[RowId, float], rows: Iterable[Row], driven: Collection[str], backoff: Mapping[RowId, float]
+) -> dict[RowId, float]:
+    """Back-off of every row where a certified motion gets some back: of crests no less than what is left allows.
+
+    What no state has grows with the cube of the crests, or faster.
+
+    Args:
+        relaxed: back-off as what is left does not count.
+        rows: as judged by the flow, by the names of the members.
+        driven: members whose waves are states.
+        backoff: of every row of the problem that the motion is the answer of.
+    """
+    found = dict(relaxed)
+    for row in _left(rows, driven):
+        crest, use = RowId(SloshHeight.name, row.subject), (row.size + row.shortfall) / row.size
+        if crest in found and crest in backoff:
+            least = 1.0 - (1.0 - backoff[crest]) * (_AIM / use) ** (1.0 / _STEEPLY)
+            found[crest] = max(found[crest], min(backoff[crest], least))
+    return found
 
 
 def _left(rows: Iterable[Row], driven: Collection[str]) -> Iterable[Row]:

@@ -41,7 +41,7 @@ _ALIKE = 0.8
 _WORTH_A_SOLVE = 1e-3
 """Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
 _WORTH_WITH_MARGINS = 0.01
-"""The same over a band of arms, where a row that gets some back asks for two more rounds."""
+"""The same over a band of arms, where a row that gets some back asks for two more rounds, and where a flow judges."""
 _LIGHTENED = 3
 """Times that a certified motion over a band gets back what it does not need, at most."""
 _NEARLY_ALIKE = 2.5
@@ -145,11 +145,12 @@ def _relaxed(judged: Judged, log: Log) -> Judged:
     if not judged.judgement.certificate.ok or not last.has_converged or log.out_of_time:
         return judged
     relaxed = last.active.relaxed(judged.judgement)
-    worth = _WORTH_A_SOLVE if not last.active.margins else _WORTH_WITH_MARGINS
+    by_flow = bool(last.active.task.may_be_driven)
+    worth = _WORTH_WITH_MARGINS if last.active.margins or by_flow else _WORTH_A_SOLVE
     if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
         with suppress(NoSolutionError):
             again = _tighten(last, relaxed, log)
-            heaviest = last.active.jerk_weight_factor if last.active.task.may_be_driven else math.inf
+            heaviest = last.active.jerk_weight_factor if by_flow else math.inf
             refined = again and _refine_until_certified(again, log, below=end, heaviest=heaviest)
             if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
                 return refined
@@ -185,7 +186,7 @@ def _refine_until_certified(
     """`certify_by_refinement` without that last solve; raises the same.
 
     Given up, uncertified, once it takes as long as `below`, s: what joins a problem or is kept from it shortens none;
-    and once jerks are to weigh more than by the factor `heaviest`.
+    once jerks are to weigh more than `heaviest` times.
     Over a range of speeds that is not reached, the motion that holds furthest down it.
     """
     judged = furthest = _judge(candidate, log)
@@ -196,12 +197,11 @@ def _refine_until_certified(
             break
         before, certified = judged.candidate, judged.judgement.certificate.ok
         active = before.active.after(judged.judgement, before.solution.slack)
-        if active is before.active or (certified and active.scene is not before.active.scene):
-            break
-        if active.jerk_weight_factor > heaviest:
+        grows = active.scene is not before.active.scene
+        if active is before.active or (certified and grows) or active.jerk_weight_factor > heaviest:
             break
         log.rounds += 1
-        if active.scene is before.active.scene:
+        if not grows:
             tightened += bool(active.margins) or active.jerk_weight_factor == before.active.jerk_weight_factor
             start = before.stages
             others = active.margins is not before.active.margins
