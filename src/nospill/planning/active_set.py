@@ -361,7 +361,9 @@ class ActiveSet:
         own = list(self._on_members(self._judged(judgement), own=True))
         relaxed = relaxed_backoff(self.backoff, uses_of(row for row in own if row.linear_value is None))
         relaxed = {**relaxed, **relaxed_by_order(own, self.backoff)}
-        return replace(self, backoff=relaxed_by_flow(relaxed, own, self._driven, self.backoff))
+        if self.jerk_weight_factor <= 1.0:  # of smoother motions crests say little of what is left
+            relaxed = relaxed_by_flow(relaxed, own, self._driven, self.backoff)
+        return replace(self, backoff=relaxed)
 
     def lightened(self, judgement: Judgement) -> ActiveSet:
         """The set with jerks that weigh less, after a motion that holds; itself where they are not known to weigh much.

@@ -42,6 +42,8 @@ _WORTH_A_SOLVE = 1e-3
 """Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
 _WORTH_WITH_MARGINS = 0.01
 """The same over a band of arms, where a row that gets some back asks for two more rounds, and where a flow judges."""
+_HEAVIER = 2.0
+"""Times that jerks weigh more from which a motion relaxed, which then leaves too much by the flow, is given up."""
 _LIGHTENED = 3
 """Times that a certified motion over a band gets back what it does not need, at most."""
 _NEARLY_ALIKE = 2.5
@@ -150,7 +152,7 @@ def _relaxed(judged: Judged, log: Log) -> Judged:
     if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
         with suppress(NoSolutionError):
             again = _tighten(last, relaxed, log)
-            heaviest = last.active.jerk_weight_factor if by_flow else math.inf
+            heaviest = _HEAVIER * last.active.jerk_weight_factor if by_flow else math.inf
             refined = again and _refine_until_certified(again, log, below=end, heaviest=heaviest)
             if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
                 return refined
