@@ -24,7 +24,9 @@ from nospill.cli.reporting import INTERNAL_ERROR
 from tests.hasty import COMPILED, NO_COMPILER, compile_at_first, compile_frequent_functions, hasty_compiler
 
 if TYPE_CHECKING:  # a file of tests that plans nothing is run without the planner and the judge
+    from nospill.certification.verdict import Row
     from nospill.motion.interpolation import JointSamples
+    from nospill.motion.trajectory import Trajectory
     from nospill.plans.plan import Plan
     from nospill.scene.scene import Scene
     from tests.motions import SmoothMotion
@@ -115,25 +117,24 @@ def few_other_speeds() -> Iterator[None]:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def few_survived_sizes() -> Iterator[None]:
-    """What a saved or printed plan survives is looked at with the worst combination of joints alone, at two sizes.
+def survived_without_a_search() -> Iterator[None]:
+    """What a saved or printed plan survives is the plan itself, played as those who survive are, and no search.
 
-    Tests of the figures ask `certification.survival` itself, and a command in a process of its own looks at all.
+    Tests of the figures ask `certification.survival` itself, and a command in a process of its own searches.
     """
-    from nospill.certification import survival
+    from nospill.certification.survival import Looked
+    from nospill.certification.survived import Survival, Survived
+    from nospill.certification.tracked_rows import Followed, worst_of
     from nospill.plans import plan
 
-    found = survival.survival
-
-    def coarse(*arguments: Any) -> Any:
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(survival, "_COMBINATIONS", 1)
-            patch.setattr(survival, "_ROUNDS", 2)
-            patch.setattr(survival.Fault, "beside", lambda *_: [])
-            return found(*arguments)
+    def played(trajectory: Trajectory, scene: Scene, rows: tuple[Row, ...]) -> Survival | None:
+        if not scene.cargo:
+            return None
+        use, first = worst_of(Looked.at(Followed.of(trajectory, scene, rows)).stated)
+        return Survival(Survived(1e-3 if use < 1.0 else 0.0, first.label), Survived(1e-4), Survived(60.0))
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plan, "survival", coarse)
+        patch.setattr(plan, "survival", played)
         yield
 
 

@@ -38,17 +38,24 @@ def cup_acceleration(mode, motion, q: np.ndarray, qd: np.ndarray, *, spin_free: 
     The motion is (omega, alpha, force); b_z is the force along the axis where the mass is at rest.
     """
     omega, alpha, force = motion
+    turning, spinning = crossing(omega), crossing(alpha)
     curvature, columns = mode.curvature, ["xy".index(axis) for axis in mode.directions]
     flat = np.zeros((3, len(columns)))
     flat[columns, range(len(columns))] = 1.0
     jacobian = flat + curvature * np.outer((0, 0, 1), q)
     place = flat @ q + (0, 0, mode.height + curvature / 2 * (q @ q))
-    apparent = force + np.cross(alpha, place) + np.cross(omega, np.cross(omega, place) + 2 * jacobian @ qd)
+    apparent = force + spinning @ place + turning @ (turning @ place + 2 * jacobian @ qd)
     apparent = apparent + curvature * (qd @ qd) * np.array((0, 0, 1))
     slip = qd + omega[2] * np.array((-q[1], q[0])) if spin_free and len(q) == 2 else qd
     mass = jacobian.T @ jacobian
     spring = (mode.stiffness - curvature) * (force[2] - (omega[0] ** 2 + omega[1] ** 2) * mode.height) * q
     return np.linalg.solve(mass, -jacobian.T @ apparent - spring - 2 * mode.damping * mode.frequency * mass @ slip)
+
+
+def crossing(vector: np.ndarray) -> np.ndarray:
+    """The matrix of the cross product with a vector."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def about_z(angle: float) -> np.ndarray:

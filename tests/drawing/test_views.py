@@ -47,7 +47,7 @@ def test_objects_fill_a_tenth_of_the_picture_throughout(name: str, example_film:
     hand = SceneBuilder(film, path=False)
     for view in CLOSE:
         for aspect in (0.89, 16 / 9):
-            assert min(share_of_objects(hand, index, view, aspect) for index in range(0, len(film.t), 3)) >= 0.1
+            assert min(share_of_objects(hand, index, view, aspect) for index in range(0, len(film.t), 6)) >= 0.1
 
 
 def test_a_heading_is_what_is_left_without_the_tilt() -> None:

@@ -34,7 +34,7 @@ CLOCK = 0.5
 
 @pytest.fixture(scope="module")
 def plan(gentle_plan: Callable[..., Plan]) -> Plan:
-    return gentle_plan("matrix-liquid", cargo=2)
+    return gentle_plan("matrix-liquid", cargo=1)
 
 
 @pytest.fixture(scope="module")
@@ -289,7 +289,7 @@ def test_the_log_of_another_motion(plan: Plan, gentle_plan: Callable[..., Plan])
 
 
 def test_a_height_of_no_liquid(plan: Plan) -> None:
-    with pytest.raises(ScenarioError, match="--measured c9: no object of this name with a liquid; there are: c1, c2"):
+    with pytest.raises(ScenarioError, match="--measured c9: no object of this name with a liquid; there are: c1"):
         executed(log_of(plan), plan.scene, measured={"c9": Heights(np.arange(9.0), np.arange(9.0))})
 
 

@@ -87,6 +87,7 @@ def gauss_legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
     return roots_legendre(count)
 
 
+@cache
 def potential_solution(container: Cylinder | Box, rate: float, kind: Kind) -> Response:
     """Amplitudes per metre of surge or per radian of pitch about the surface's centre."""
     section, h, sigma = Section(container), DEPTH, rate**2 / STANDARD_GRAVITY
@@ -134,8 +135,16 @@ def massless(container: Cylinder | Box, count: int) -> tuple[ObjectNumbers, Obje
 
 def laws(container: Cylinder | Box, rate: float, kind: Kind, count: int, *, corrected: bool) -> Response:
     """Steady undamped response of the laws, at the instant of the largest displacement, per amplitude."""
+    height, force, moment = steady(container, kind, count, corrected)(rate).full().ravel()
+    # The tray's force holds the container against that of the liquid.
+    return Response(height, -force, -moment)
+
+
+@cache
+def steady(container: Cylinder | Box, kind: Kind, count: int, corrected: bool) -> ca.Function:
+    """Rate -> height, force and moment of the laws, per amplitude."""
     numbers, structure = massless(container, count)
-    size = 1e-6
+    size, rate = 1e-6, ca.SX.sym("rate")
     if kind == "surge":
         motion = FrameMotion(ca.SX.zeros(3), ca.SX.zeros(3), vector(-(rate**2) * size, 0, STANDARD_GRAVITY))
     else:
@@ -150,9 +159,7 @@ def laws(container: Cylinder | Box, rate: float, kind: Kind, count: int, *, corr
         states.append(OscillatorState(displacement, still, -(rate**2) * displacement))
     wrench = contact_wrench("full", numbers, structure, motion, tuple(states))
     eta = surface_vector(numbers, structure, motion, tuple(states), corrected=corrected)
-    parts = ca.evalf(ca.vertcat(eta[0], wrench.force[0], wrench.moment[1])).full().ravel() / size
-    # The tray's force holds the container against that of the liquid.
-    return Response(parts[0], -parts[1], -parts[2])
+    return ca.Function("steady", [rate], [ca.vertcat(eta[0], wrench.force[0], wrench.moment[1]) / size])
 
 
 def first_frequency(container: Cylinder | Box) -> float:
