@@ -45,13 +45,13 @@ def test_what_is_left_is_what_the_flow_leaves(judged: tuple[Scene, Judgement, Ju
         body[:, t > played.t[-1]] = rest[:, None]
         return rows_at(body, cargo.place, cargo.yaw)
 
-    flow = crests_along(cargo, rows, float(played.t[0]), float(played.t[-1]), after=1.0)
+    flow = crests_along(cargo, rows, float(played.t[0]), float(played.t[-1]), after=0.5)
     left = left_by_flow(scene, played, -1)["cup"]
-    within = np.max(left.crests(np.linspace(0.0, 1.0, 201)))
+    within = np.max(left.crests(np.linspace(0.0, 0.5, 101)))
     assert within == pytest.approx(flow.after_end(flow.full), rel=0.05)
     (row,) = [row for row in judgement.certificate.rows if row.id == (_RESIDUAL, "cup")]
     assert row.worst_value == pytest.approx(left.highest, rel=1e-9) and within <= row.worst_value
-    course = heights_after(scene, played, np.linspace(0.0, 1.0, 201))["cup"]
+    course = heights_after(scene, played, np.linspace(0.0, 0.5, 101))["cup"]
     assert np.max(course) == pytest.approx(within)
 
 

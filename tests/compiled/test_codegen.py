@@ -5,7 +5,9 @@ What may bring a process down, or needs an environment of its own, runs in a pro
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import io
 import json
 import os
 import shutil
@@ -33,7 +35,7 @@ from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.scene import Scene
 from nospill.transcription import stage_functions
 from tests.compiling import assert_same
-from tests.hasty import COMPILER
+from tests.hasty import COMPILER, hasty_compiler
 from tests.waiting import finished
 
 pytestmark = pytest.mark.slow
@@ -78,6 +80,18 @@ def run(folder: Path | str, **environment: str) -> str:
     return out.strip()
 
 
+def run_here(folder: Path) -> str:
+    """The same in this process, which has forgotten what it was served before: of damage that ends no process."""
+    printed = io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(printed):
+        patch.setenv("NOSPILL_COMPILE", "wait")
+        patch.setenv("NOSPILL_CACHE", str(folder))
+        forget_functions()
+        exec(USER, {})
+    forget_functions()
+    return printed.getvalue().strip()
+
+
 def start(folder: Path | str, **environment: str) -> subprocess.Popen[str]:
     settings = os.environ | {"NOSPILL_COMPILE": "wait", "NOSPILL_CACHE": str(folder)} | environment
     return subprocess.Popen(
@@ -110,15 +124,16 @@ def endings(folder: Path) -> list[str]:
 @pytest.fixture(scope="module")
 def small(changed_scene: Callable[..., Scene]) -> Scene:
     """One solid on a level tray: little to compile."""
-    scene = changed_scene("matrix-rigid", {"motion.tilt": "fixed", "planning.intervals": 40})
+    scene = changed_scene("matrix-rigid", {"motion.tilt": "fixed", "planning.intervals": 20})
     return scene.changed({"cargo": scene.source["cargo"][:1]})
 
 
 @needs_compiler
 def test_machine_code_gives_the_same_values_and_the_same_plan(
-    small: Scene, forgotten: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    small: Scene, forgotten: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     structure = structure_of(small)
+    monkeypatch.setenv("CC", str(hasty_compiler(tmp_path_factory.mktemp("compiler"))))
     slow = plan(small)
     plain = _functions(structure)
     forget_functions()
@@ -181,7 +196,7 @@ def test_a_damaged_table_is_written_anew(filled: Path, damage: str) -> None:
     table = next(filled.glob("*.json"))
     whole = table.read_text()
     table.write_text(damage)
-    assert run(filled) == served(True)
+    assert run_here(filled) == served(True)
     assert table.read_text() == whole
     assert json.loads(whole)["data"] == {"sizes": [3, 3]}
 
@@ -191,7 +206,7 @@ def test_the_table_of_another_entry_is_not_taken(filled: Path) -> None:
     table = next(filled.glob("*.json"))
     own = table.read_text()
     table.write_text(own.replace(table.stem, "test-" + 32 * "0").replace("[3, 3]", "[4, 4]"))
-    assert run(filled) == served(True)
+    assert run_here(filled) == served(True)
     assert table.read_text() == own
 
 
@@ -199,7 +214,7 @@ def test_the_table_of_another_entry_is_not_taken(filled: Path) -> None:
 def test_a_missing_table_or_library_is_made_anew(filled: Path) -> None:
     for ending in ("json", "so", "sum"):
         next(filled.glob(f"*.{ending}")).unlink()
-        assert run(filled) == served(True)
+        assert run_here(filled) == served(True)
         assert endings(filled) == [".json", ".so", ".sum"]
 
 

@@ -22,12 +22,17 @@ def level_path(*places: tuple[float, float, float, float]) -> np.ndarray:
 PATH = level_path((0.0, -1.4, 1.6, 0.0), (0.4, -1.5, 1.8, 0.2), (0.8, -1.3, 1.6, -0.1))
 
 
+@pytest.fixture(scope="module")
+def along() -> ns.Plan:
+    """A cup exactly on the way."""
+    return ns.retime(PATH, ns.load(table(PATH.tolist(), cargo=CUP) | {"planning": {"intervals": 25}}))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("tilt", ["fixed", "free"])
-def test_the_tray_stays_near_its_way_and_is_sooner(tilt: str) -> None:
+def test_the_tray_stays_near_its_way_and_is_sooner(tilt: str, along: ns.Plan) -> None:
     width = 0.02
     scene = ns.load(table(PATH.tolist(), cargo=CUP) | {"planning": {"intervals": 25}})
-    along = ns.retime(PATH, scene)
     plan = ns.retime(PATH, scene.changed({"path": LINE, "motion.tilt": tilt}), freedom=f"{1e3 * width:g} mm")
     assert along.certificate.ok and plan.certificate.ok
     assert ns.certify(plan.trajectory, plan.scene, rate=8000.0).ok

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import shlex
 from collections.abc import Iterator
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nospill.scenario import read_scenario
 from nospill.scenario.examples import EXAMPLES
 from tests.cli.commands import nospill
 from tests.repository.modules import ROOT
@@ -50,15 +52,33 @@ def write_what_they_read(folder: Path) -> None:
     (folder / "camera.csv").write_text("\n".join(rows) + "\n")
 
 
-def test_the_demo_leads_on_to_the_full_physics_with_its_true_figure(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+PYTHON: str = re.findall(r"```python\n(.*?)```", README, re.DOTALL)[0]
+
+
+@pytest.fixture(scope="module")
+def printed(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+    """What the Python of the page prints, in a process of its own, and its folder."""
+    folder = tmp_path_factory.mktemp("python")
+    done = run_python("-W", "error", "-c", PYTHON, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return done.stdout, folder
+
+
+def test_the_python_of_the_page_runs_as_printed(printed: tuple[str, Path]) -> None:
+    [message] = re.findall(r"# (certified: .*) \.\.\.", PYTHON)
+    assert message in printed[0] and (printed[1] / "summary.png").is_file()
+
+
+def test_the_demo_leads_on_to_the_full_physics_with_its_true_figure(printed: tuple[str, Path]) -> None:
+    """Its command plans the scene of the page's Python."""
     recipe = (ROOT / "Makefile").read_text(encoding="utf-8").partition("\ndemo:")[2].partition("\n\n")[0]
     [(verdict, command)] = re.findall(r'physics, (.+)"\n.+"    \$\(VENV\)/bin/nospill (.+)"', recipe)
-    monkeypatch.chdir(tmp_path)
-    done = nospill(*shlex.split(command), "--no-figures")
-    assert done.exit_code == 0, done.stderr
-    assert verdict in done.stdout + done.stderr
+    [plan, name, setting, value, output, place] = shlex.split(command)
+    assert (plan, setting, output) == ("plan", "--set", "-o") and place
+    [(loaded, changes)] = re.findall(r'ns\.load\("(.+)"\)[\s\S]+scene\.changed\((.+)\)\)\n', PYTHON)
+    assert read_scenario(name, settings=[value]) == read_scenario(loaded).changed(ast.literal_eval(changes))
+    status, _, duration = verdict.partition(": ")
+    assert status == "certified" and duration in printed[0]
 
 
 def test_the_commands_run_as_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -75,11 +95,3 @@ def test_the_commands_run_as_printed(tmp_path: Path, monkeypatch: pytest.MonkeyP
     for words in listed:
         if "-o" in words:
             assert (tmp_path / words[words.index("-o") + 1]).exists(), words
-
-
-def test_the_python_of_the_page_runs_as_printed(tmp_path: Path) -> None:
-    [code] = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    done = run_python("-W", "error", "-c", code, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    [message] = re.findall(r"# (certified: .*) \.\.\.", code)
-    assert message in done.stdout and (tmp_path / "summary.png").is_file()

@@ -43,7 +43,7 @@ def test_objects_are_drawn_where_they_stand() -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=20)
+@settings(deadline=None, max_examples=12)
 @given(st.floats(-0.2, 0.2), st.floats(-0.15, 0.15), st.floats(-0.2, 0.2), st.floats(-0.15, 0.15), st.floats(-180, 180))
 def test_the_plan_and_the_reader_agree_on_what_is_wrong(x1: float, y1: float, x2: float, y2: float, yaw: float) -> None:
     table: dict[str, Any] = dict(read_scenario("mixed-tray").source)

@@ -36,7 +36,7 @@ from nospill.transcription.tray_motion import motion_pattern
 from nospill.transcription.tray_state import TrayState, tray_state
 from tests.builders import one_mode
 from tests.compiling import assert_same
-from tests.hasty import COMPILER
+from tests.hasty import COMPILER, hasty_compiler
 
 INTERVALS = 2
 SLOWED = "mixed-tray, slowed"
@@ -267,7 +267,7 @@ def functions(block: object) -> dict[str, ca.Function]:
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
 def test_compiled_blocks_are_the_same_and_serve_other_scenes(
-    forgotten: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    forgotten: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     """Machine code against CasADi's virtual machine; a scene never seen finds every block compiled."""
     scene = read_scenario("matrix-liquid")
@@ -275,7 +275,7 @@ def test_compiled_blocks_are_the_same_and_serve_other_scenes(
     monkeypatch.setenv("NOSPILL_COMPILE", "off")
     plain = stage_functions(structure)
     assert not plain.compiled
-    monkeypatch.setenv("CC", COMPILER)
+    monkeypatch.setenv("CC", str(hasty_compiler(tmp_path_factory.mktemp("compiler"))))
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
     forget_functions()

@@ -25,7 +25,7 @@ from nospill.transcription.solvers.solution import violation
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import smooth_start
 from tests.builders import joint_path_of
-from tests.hasty import COMPILER
+from tests.hasty import COMPILER, hasty_compiler
 
 INTERVALS = 20
 PATIENT = SolveOptions(max_iterations=300, max_time=60.0)
@@ -65,8 +65,8 @@ def test_what_converges_is_gone_on_with_and_back_off_is_far_above_it(tolerances:
 
 @pytest.fixture
 def compiling(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """A cache folder of this test alone, and leave to compile."""
-    monkeypatch.setenv("CC", COMPILER)
+    """A cache folder of this test alone, and leave to compile, in haste."""
+    monkeypatch.setenv("CC", str(hasty_compiler(tmp_path, solver="-O0") or COMPILER))
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "cache"))
     return tmp_path / "cache"
 

@@ -20,14 +20,18 @@ from nospill.verify import CupReport, Peak, WaterReport, verify_water
 from tests.builders import with_few_speeds
 
 
-@pytest.fixture(scope="module")
-def plan(smooth_motion: Callable[..., Any]) -> Plan:
-    """A gentle motion with two cups, made without a solver."""
-    made = smooth_motion("matrix-liquid", cargo=2, stretch=1.0)
+def gentle(smooth_motion: Callable[..., Any], cups: int) -> Plan:
+    """A gentle motion with some cups, made without a solver."""
+    made = smooth_motion("matrix-liquid", cargo=cups, stretch=1.0)
     judgement = judge(made.trajectory, made.scene)
     report = PlanningReport.empty()
     motion = Plan(made.scene, made.trajectory, judgement.certificate, motion_maxima(judgement, made.scene), report)
     return with_few_speeds(motion)
+
+
+@pytest.fixture(scope="module")
+def plan(smooth_motion: Callable[..., Any]) -> Plan:
+    return gentle(smooth_motion, cups=2)
 
 
 @pytest.fixture(scope="module")
@@ -84,8 +88,8 @@ def test_records_are_json(report: WaterReport) -> None:
     assert isinstance(report.cups[0].second, Peak)
 
 
-def test_command_follows_the_water_and_draws_it(plan: Plan, tmp_path: Path) -> None:
-    plan.save(tmp_path / "plan")
+def test_command_follows_the_water_and_draws_it(smooth_motion: Callable[..., Any], tmp_path: Path) -> None:
+    gentle(smooth_motion, cups=1).save(tmp_path / "plan")
     done = CliRunner().invoke(app, ["verify", str(tmp_path / "plan"), "--water", "--save"], prog_name="nospill")
     assert done.exit_code == 0, done.output
     assert "the water keeps its limits" in done.stdout

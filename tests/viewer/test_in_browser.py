@@ -72,7 +72,7 @@ def page_pause(page: Any) -> Callable[[float], object]:
 
 
 def eventually(page: Any, right: Callable[[np.ndarray], bool], what: str) -> np.ndarray:
-    """Wait until the picture is right."""
+    """Wait until the picture is right: one is as much work as a second of the page, so few are taken."""
     found = picture(page)
 
     def seen() -> bool:
@@ -80,7 +80,7 @@ def eventually(page: Any, right: Callable[[np.ndarray], bool], what: str) -> np.
         found = picture(page)
         return right(found)
 
-    wait_until(seen, f"{what} to be seen", pause=page_pause(page))
+    wait_until(seen, f"{what} to be seen", pause=lambda _: page.wait_for_timeout(300))
     return found
 
 

@@ -150,6 +150,10 @@ def test_solve_joints_names_the_worst_sample(bad):
         solve_joints(ROBOT, positions, rotations, q)
 
 
+TURNS = np.array(list(product((-1, 0, 1), (-1, 0, 1), (-1, 0, 1), range(-2, 3), (-1, 0, 1), range(-3, 4))))
+"""Whole turns of the joints: all that any limits leave, and more."""
+
+
 @settings(max_examples=60, deadline=None)
 @given(st.lists(JOINTS, max_size=4))
 def test_whole_turns_are_all_that_the_limits_leave_in_their_order(rows):
@@ -157,14 +161,10 @@ def test_whole_turns_are_all_that_the_limits_leave_in_their_order(rows):
     q = np.round(np.array(rows), 9).reshape(-1, 6)
     middle = 0.5 * (ROBOT.lower + ROBOT.upper)
     lowest, highest = np.maximum(ROBOT.lower, middle - TURN), np.minimum(ROBOT.upper, middle + TURN)
-    expected = [
-        moved
-        for row in q
-        for turns in product((-1, 0, 1), (-1, 0, 1), (-1, 0, 1), range(-2, 3), (-1, 0, 1), range(-3, 4))
-        if np.all((moved := row + TURN * np.array(turns)) >= lowest) and np.all(moved <= highest)
-    ]
+    turned = q[:, None] + TURN * TURNS
+    expected = turned[np.all((turned >= lowest) & (turned <= highest), axis=2)]
     found = with_turns(ROBOT, q)
-    assert np.allclose(found, np.array(expected).reshape(-1, 6), rtol=0.0, atol=1e-12)
+    assert np.allclose(found, expected, rtol=0.0, atol=1e-12)
     assert count_turns(ROBOT, q).tolist() == [len(with_turns(ROBOT, row[None])) for row in q]
 
 
