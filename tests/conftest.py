@@ -138,6 +138,27 @@ def survived_without_a_search() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def examples_are_built_once() -> Iterator[None]:
+    """A bundled example with the same settings is the same scene, which nothing changes: a thousand tests read one."""
+    from nospill.scenario import loading
+    from nospill.scenario.examples import example_path
+
+    bundled, built, read = example_path("matrix-liquid").parent, {}, loading.scene_from_table
+
+    def once(table: Mapping[str, Any], *, name: str, folder: Path, label: str) -> Scene:
+        if folder != bundled:
+            return read(table, name=name, folder=folder, label=label)
+        key = (name, label, repr(table))
+        if key not in built:
+            built[key] = read(table, name=name, folder=folder, label=label)
+        return built[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(loading, "scene_from_table", once)
+        yield
+
+
 @pytest.fixture
 def every_other_speed(monkeypatch: pytest.MonkeyPatch) -> None:
     from nospill.certification.other_speeds import SPEEDS, uses_at

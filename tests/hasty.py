@@ -60,7 +60,7 @@ def compile_at_first(folder: Path) -> None:
     done.touch()
 
 
-def hasty_compiler(folder: Path, *, solver: str = "-O3") -> Path | None:
+def hasty_compiler(folder: Path, *, functions: str = "-Og", solver: str = "-O3") -> Path | None:
     """A compiler that optimises less, None where there is no compiler.
 
     -Og takes three quarters of the time of -O1, and its functions take as long; with -O0, which compiles in half of the
@@ -69,12 +69,13 @@ def hasty_compiler(folder: Path, *, solver: str = "-O3") -> Path | None:
 
     Args:
         folder: where it is put.
-        solver: how far the linear solver is optimised; -O0 where it solves one problem.
+        functions: how far they are optimised; -O0 where they are compared and little else.
+        solver: how far the linear solver is; -O0 where it solves one problem.
     """
     found, place = shutil.which(COMPILER), folder / "cc"
     if found is None:
         return None
-    less = f'case "$*" in *-O1*) set -- "$@" -Og ;; *-O3*) set -- "$@" {solver} ;; esac'
+    less = f'case "$*" in *-O1*) set -- "$@" {functions} ;; *-O3*) set -- "$@" {solver} ;; esac'
     place.write_text(f'#!/bin/sh\n{less}\nexec "{found}" "$@"\n')
     place.chmod(0o755)
     return place

@@ -130,10 +130,14 @@ def small(changed_scene: Callable[..., Scene]) -> Scene:
 
 @needs_compiler
 def test_machine_code_gives_the_same_values_and_the_same_plan(
-    small: Scene, forgotten: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+    small: Scene,
+    forgotten: None,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
     structure = structure_of(small)
-    monkeypatch.setenv("CC", str(hasty_compiler(tmp_path_factory.mktemp("compiler"))))
+    monkeypatch.setenv("CC", str(hasty_compiler(tmp_path_factory.mktemp("compiler"), functions="-O0")))
     slow = plan(small)
     plain = _functions(structure)
     forget_functions()

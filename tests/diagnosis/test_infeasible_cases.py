@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import json
 
 import pytest
 
@@ -10,9 +10,6 @@ from benchmarks.infeasible import run as infeasible
 from benchmarks.infeasible.cases import BASES, CASES, Case, Table, spoiled_table
 from nospill.errors import Reason
 from nospill.scenario import scene_from_table
-from tests.waiting import run_python
-
-ROOT = Path(__file__).parents[2]
 
 ONE_OF_EACH = (
     "over the tray's edge",
@@ -93,6 +90,7 @@ def test_the_report_counts_what_was_found() -> None:
 
 
 @pytest.mark.slow
-def test_one_case_is_printed_as_json() -> None:
-    done = run_python("-m", "benchmarks.infeasible.run", "--only", "over the tray's edge", check=True, cwd=ROOT)
-    assert '"named": true' in done.stdout
+def test_one_case_is_printed_as_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("sys.argv", ["run", "--only", "over the tray's edge"])
+    infeasible.main()
+    assert json.loads(capsys.readouterr().out)["named"] is True

@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scenario import read_scenario
 from nospill.scene.controller import Controller
+from nospill.scene.scene import Scene
 from tests.builders import one_mode
 
 NONE = Ranges(friction=0.0, fill=0.0, damping=(1.0, 1.0), position=0.0, mass=0.0)
@@ -101,13 +103,18 @@ def test_draw_of_nothing_changes_nothing_but_the_reserve(name: str) -> None:
         assert flatten(mine) == pytest.approx(flatten(theirs), rel=1e-9, abs=1e-15)
 
 
+@cache
+def mixed_tray() -> Scene:
+    return one_mode("mixed-tray")
+
+
 @settings(max_examples=40, deadline=None)
 @given(
     rise=st.floats(-3e-3, 3e-3), damping=st.floats(-0.7, 0.7), mass=st.floats(-0.04, 0.05), slip=st.floats(-0.3, 0.3)
 )
 @pytest.mark.parametrize("index", [0, 2, 3])
 def test_draw_means_what_it_says(index: int, rise: float, damping: float, mass: float, slip: float) -> None:
-    scene = one_mode("mixed-tray")
+    scene = mixed_tray()
     cargo = scene.cargo[index]
     changed = drawn_object(cargo, off(fill=rise, damping=damping, mass=mass, friction=slip, position_x=1e-3), scene)
     assert changed.planned_friction == pytest.approx(cargo.friction * (1 + slip))

@@ -35,7 +35,7 @@ def test_a_script_is_short_and_says_what_it_shows(script: Path) -> None:
     assert lines[0].startswith('"""')
 
 
-COARSE = {"planning.intervals": 25, "planning.slosh_modes": 1}
+COARSE = {"planning.intervals": 40, "planning.slosh_modes": 1}
 ONE_CUP = '.changed({"cargo": ns.load("matrix-liquid").source["cargo"][:1]})'
 FEWER = {
     "fifty_variants.py": ("0.60, 50)", "0.60, 5)"),

@@ -154,17 +154,23 @@ def test_impossible_limits_exit_3_and_name_the_constraint(
 
 
 @pytest.mark.parametrize(
-    "changes",
+    ("changes", "alone"),
     [
-        {'name = "arc"': 'name = "sl3d"'},
-        {'name = "arc"': 'name = "arc"\noffset = ["2 m", 0, 0]'},
+        ({'name = "arc"': 'name = "sl3d"'}, True),
+        ({'name = "arc"': 'name = "arc"\noffset = ["2 m", 0, 0]'}, False),
     ],
+    ids=["in a process of its own", "in this one"],
 )
-def test_paths_out_of_reach_exit_2_and_say_where(tmp_path: Path, changes: dict[str, str]) -> None:
-    result = real("plan", changed_example("matrix-liquid", tmp_path / "tea.toml", changes), "-o", str(tmp_path / "out"))
-    assert (result.returncode, result.stdout) == (2, "")
-    said = r"tea\.toml: path: out of reach of robot 'comau-smart-six' .* s = \d\.\d{3}.* mm"
-    assert re.search(said, one_line(result))
+def test_paths_out_of_reach_exit_2_and_say_where(tmp_path: Path, changes: dict[str, str], alone: bool) -> None:
+    words = ["plan", changed_example("matrix-liquid", tmp_path / "tea.toml", changes), "-o", str(tmp_path / "out")]
+    if alone:
+        result = real(*words)
+        code, out, said = result.returncode, result.stdout, one_line(result)
+    else:
+        here = CliRunner().invoke(app, words)
+        code, out, said = here.exit_code, here.stdout, here.stderr.splitlines()[-1]
+    assert (code, out) == (2, "")
+    assert re.search(r"tea\.toml: path: out of reach of robot 'comau-smart-six' .* s = \d\.\d{3}.* mm", said)
     assert not (tmp_path / "out").exists()
 
 

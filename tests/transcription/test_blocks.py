@@ -275,7 +275,7 @@ def test_compiled_blocks_are_the_same_and_serve_other_scenes(
     monkeypatch.setenv("NOSPILL_COMPILE", "off")
     plain = stage_functions(structure)
     assert not plain.compiled
-    monkeypatch.setenv("CC", str(hasty_compiler(tmp_path_factory.mktemp("compiler"))))
+    monkeypatch.setenv("CC", str(hasty_compiler(tmp_path_factory.mktemp("compiler"), functions="-O0")))
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path))
     monkeypatch.setenv("NOSPILL_COMPILE", "wait")
     forget_functions()
