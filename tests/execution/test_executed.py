@@ -155,6 +155,7 @@ def test_record_and_sentences(found: Executed) -> None:
 # --- what a log leaves open -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("verdict_alone")
 def test_a_log_without_noise_is_judged_as_the_plan(plan: Plan) -> None:
     """Its samples are the plan's own: rows agree without a band, those on the end too."""
     found = executed(log_of(plan, noise=0.0, jitter=0.0), plan.scene, plan=plan)
@@ -176,6 +177,7 @@ def test_distances_have_bands_no_wider_than_noise_moves_the_bodies(plan: Plan) -
     assert np.all(np.array(bands[1]) > 3.0 * np.array(bands[0])) and np.all(np.array(bands[0]) > 0.0)
 
 
+@pytest.mark.usefixtures("verdict_alone")
 @pytest.mark.parametrize(
     ("rate", "noise", "jitter"),
     [  # each noise at the least rate and at a higher one, each rate with noise and without or with little
@@ -199,6 +201,7 @@ def test_a_run_that_breaks_a_limit_is_refused_through_its_noise(plan: Plan) -> N
         assert "not certified: of" in verdict(found) and " fail" in verdict(found)
 
 
+@pytest.mark.usefixtures("verdict_alone")
 def test_samples_that_are_missing_are_told_from_stamps_that_are_late(plan: Plan) -> None:
     log = log_of(plan, noise=1e-6, jitter=5e-4)
     kept = np.ones(len(log.t), dtype=bool)

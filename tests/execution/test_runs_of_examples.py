@@ -14,6 +14,8 @@ from nospill.plans.plan import Plan
 from tests.builders import with_few_speeds
 from tests.execution.logs import log_of
 
+pytestmark = pytest.mark.usefixtures("verdict_alone")
+
 OWN_FILE = ("matrix-rigid", "shelf-to-table")
 """Solids, and a free path with a file of an interface; the others are read in the same way."""
 

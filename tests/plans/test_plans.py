@@ -205,6 +205,7 @@ def test_a_plan_comes_back_from_its_folder(judged: tuple[Plan, Judgement], tmp_p
     assert back.duration == plan.duration
     assert np.array_equal(back.trajectory.joint_position, plan.trajectory.joint_position)
     assert back.summary() == plan.summary()
+    assert back.maxima.survival is not None and back.survival_text.startswith("survives ")
     # What the folder holds is judged as the plan was, to the bit.
     assert judge(back.trajectory, back.scene).certificate == judgement.certificate
 
