@@ -174,7 +174,7 @@ def test_paths_out_of_reach_exit_2_and_say_where(tmp_path: Path, changes: dict[s
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(("step", "delay"), [(COARSE, 0.0), (FINE, 0.0), (CERTIFICATE, 0.05)])
+@pytest.mark.parametrize(("step", "delay"), [(COARSE, 0.0), (COARSE, 0.3), (FINE, 0.0), (CERTIFICATE, 0.05)])
 def test_an_interrupt_stops_a_real_plan_at_once(tmp_path: Path, step: str, delay: float) -> None:
     command = [sys.executable, "-c", "from nospill.cli import main; main()", "plan", "matrix-liquid"]
     process = subprocess.Popen(
