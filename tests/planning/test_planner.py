@@ -70,7 +70,7 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
     backoff = {RowId(item.name, subject): item.backoff for item in CONSTRAINTS for subject in item.subjects(scene)}
     random = np.random.default_rng(7)
     durations = []
-    for index in range(6):
+    for index in range(10):
         start = Start(stretch=float(random.uniform(0.4, 1.6)), skew=float(random.uniform(-0.6, 0.6)))
         motion = smooth_start(scene, path, intervals, start)
         if index % 2:
