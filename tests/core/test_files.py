@@ -316,14 +316,14 @@ def test_partial_folders_of_killed_runs_are_deleted_by_the_next(tmp_path: Path) 
 
 @pytest.mark.slow
 def test_many_writers_at_once(tmp_path: Path) -> None:
-    """Four processes replace one folder 15 times each: whatever stands there is whole, and one whole plan stays."""
+    """Four processes replace one folder 40 times each: whatever stands there is whole, and one whole plan stays."""
     target = tmp_path / "plan"
     script = """
         import sys
         from nospill.core.files import atomic_folder
         from nospill.plans.names import is_plan_folder
         target, who = sys.argv[1:]
-        for turn in range(15):
+        for turn in range(40):
             with atomic_folder(target, replaceable=is_plan_folder) as folder:
                 for name in ("trajectory.csv", "certificate.json", "summary.json"):
                     (folder / name).write_text(f"{who}-{turn}")

@@ -54,8 +54,7 @@ def test_a_plan_does_without_scipy(tmp_path: Path):
     """Loading it takes a third of a second of every run of the command."""
     code = (
         "import sys; from nospill import load, load_plan, plan\n"
-        "rigid = load('matrix-rigid'); few = {'cargo': rigid.source['cargo'][:1], 'planning.intervals': 20}\n"
-        "plan(rigid.changed(few)).save(sys.argv[1])\n"
+        "found = plan(load('matrix-rigid')); found.save(sys.argv[1])\n"
         "assert load_plan(sys.argv[1]).certificate.ok\n"
         "print([name for name in sys.modules if name.split('.')[0] == 'scipy'])"
     )

@@ -91,7 +91,7 @@ def test_the_certificate_shows_the_margin_by_the_limits_as_stated() -> None:
 @pytest.mark.parametrize(
     "tables",
     [
-        {"tolerance": {"friction": "5 %", "liquid_height": "1 mm"}},
+        {"tolerance": {"friction": "5 %", "liquid_height": "1 mm", "position": "3 mm"}},
         {"motion": {"end": "residual", "residual_fraction": 0.8, "speed_range": ["90 %", "100 %"]}},
     ],
     ids=["tolerance", "speed range"],
