@@ -150,7 +150,8 @@ def _outcome(line: dict[str, Any]) -> str:
     if "error" in line:
         return "no motion"
     if not line["certified"]:
-        return "recovering" if line["text"].startswith("recovering") else "not certified"
+        recovering = "recovering, an object moves" if line["text"].endswith("moves") else "recovering"
+        return recovering if line["text"].startswith("recovering") else "not certified"
     rejected = not line.get("fine", True) or not line.get("joins", True)
     return "rejected" if rejected else "moved" if line.get("moved") else "certified"
 

@@ -13,6 +13,7 @@ from nospill.errors import ScenarioError
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState
 from nospill.scene.swing import Swing
+from nospill.stopping import solving
 
 AT = 2.4
 """s; in the midst of the motion."""
@@ -68,6 +69,17 @@ def test_a_liquid_that_cannot_be_stilled_on_what_is_left_of_the_path_swings_on(p
     assert {row.constraint for row in found.certificate.rows if not row.ok} == {"slosh height", "residual height"}
     rim = plan.scene.cargo[0].container.height - plan.scene.cargo[0].filling.liquid_height  # type: ignore[union-attr]
     assert (limit + found.excess[name] > rim) == (found.spilled == (name,))
+
+
+def test_a_stop_in_which_an_object_moves_says_so(plan: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where none is found in which it stays, which is looked for first."""
+    monkeypatch.setattr(solving, "stays", lambda *_: False)
+    found = ns.recover(plan, plan.state_at(AT))
+    assert found.moves and found.certificate.ok
+    assert found.text == "certified; by the whole physics an object moves"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(solving, "stays", lambda *_: True)
+        assert not ns.recover(plan, plan.state_at(AT)).moves
 
 
 def test_what_stands_above_the_rim_has_been_spilled(plan: Plan) -> None:

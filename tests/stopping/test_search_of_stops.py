@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nospill.stopping import solving, tightening
+from nospill.planning import wave_margins
+from nospill.stopping import solving
 from nospill.transcription.margins_along import Margin
 
-SHARES = tightening._SHARES
+SHARES = wave_margins._SHARES
 
 
 def _stop(duration: float) -> Any:
-    return SimpleNamespace(stop=SimpleNamespace(duration=duration))
+    return SimpleNamespace(stop=SimpleNamespace(duration=duration), stays=True)
 
 
 def test_an_answer_that_takes_too_long_is_not_judged(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -74,7 +75,7 @@ def test_a_margin_that_does_not_bind_where_a_height_is_too_high_begins_with_what
     trace: Any = SimpleNamespace(
         linear=np.array([7.2, 7.2, 8.0, 3.0]), limit=np.full(4, 10.0), use=np.array([1.02, 0.98, 1.02, 1.02])
     )
-    found = tightening._binding(0.0, margin, trace, part)
+    found = wave_margins._binding(0.0, margin, trace, part)
     assert found[5] == pytest.approx(0.28)  # 0.8 of the limit is left to it, and it is at 0.72
     assert np.all(
         found[[0, 10, 20, 30]] == 0.0

@@ -50,6 +50,8 @@ class Recovery:
         until: s from its beginning, when the last liquid is below its limit for good, also after the arm stands;
             infinite where one is not within `HORIZON` after the end.
         spilled: names of those whose liquid rises over the rim.
+        moves: whether an object moves by the whole physics, of a plan by published equations, in every stop that was
+            found: where a wave pushes its cup harder than friction bears.
     """
 
     stop: Stop
@@ -57,21 +59,23 @@ class Recovery:
     excess: Mapping[str, float]
     until: float
     spilled: tuple[str, ...] = ()
+    moves: bool = False
 
     @property
     def text(self) -> str:
         """What it does, in words: "recovering: c1 2.1 mm too high, until 0.312 s"."""
+        moves = "; by the whole physics an object moves" if self.moves else ""
         if not self.excess:
-            return "certified"
+            return f"certified{moves}"
         worst = ", ".join(
             f"{name} {1e3 * over:.1f} mm too high" + (" and over the rim" if name in self.spilled else "")
             for name, over in sorted(self.excess.items())
         )
         if not math.isfinite(self.until):
-            return f"recovering: {worst}, also {HORIZON:g} s after the arm stands"
+            return f"recovering: {worst}, also {HORIZON:g} s after the arm stands{moves}"
         after = self.until - self.stop.duration
         stands = f", {after:.3f} s after the arm stands" if after > 0.0 else ""
-        return f"recovering: {worst}, until {self.until:.3f} s{stands}"
+        return f"recovering: {worst}, until {self.until:.3f} s{stands}{moves}"
 
 
 def recover(plan: Plan, state: MotionState, *, residual: float = 1.0) -> Recovery:
@@ -89,11 +93,11 @@ def recover(plan: Plan, state: MotionState, *, residual: float = 1.0) -> Recover
     """
     scene, joint_path = stopping_scene(plan.scene, state, residual), joint_path_of(plan)
     high, left = _above(scene), plan.duration - state.t
-    for calmer in (True, False) if high else (True,):
-        search = _Search(scene, high, state, joint_path, left, calmer)
-        found = search.least()
+    ways = [(stays, calmer) for stays in (True, False) for calmer in ((True, False) if high else (True,))]
+    for stays, calmer in ways:
+        found = _Search(scene, high, state, joint_path, left, calmer, stays).least()
         if found is not None:
-            return _told(found.stop, scene)
+            return _told(found, scene)
     raise NoSolutionError(
         f"{plan.scene.name}: no stop from {state.t:g} s was found whose liquids stay below "
         f"{_WIDEST * max(high.values(), default=1.0):.2g} times their max_slosh_height"
@@ -111,6 +115,7 @@ class _Search:
         joint_path: the arm's way along the path.
         left: s, that it may take.
         calmer: whether what swings on keeps the limit as stated.
+        stays: whether objects have to stay by the whole physics.
     """
 
     scene: Scene
@@ -119,6 +124,7 @@ class _Search:
     joint_path: JointPath
     left: float
     calmer: bool
+    stays: bool
 
     def least(self) -> Found | None:
         """The stop with the least factor; None where none is found."""
@@ -145,7 +151,8 @@ class _Search:
         )
         part = self.scene.motion.residual_fraction / (factor if self.calmer else 1.0)
         scene = replace(self.scene, cargo=cargo, motion=replace(self.scene.motion, residual_fraction=part))
-        return found_from_afar(scene, self.state, self.joint_path, self.left)
+        found = found_from_afar(scene, self.state, self.joint_path, self.left)
+        return None if found is None or (self.stays and not found.stays) else found
 
 
 def _above(scene: Scene) -> dict[str, float]:
@@ -173,8 +180,9 @@ def _above(scene: Scene) -> dict[str, float]:
     return above
 
 
-def _told(stop: Stop, scene: Scene) -> Recovery:
+def _told(found: Found, scene: Scene) -> Recovery:
     """A stop with its verdict by the limits of a scene."""
+    stop = found.stop
     judgement = judge_motion(stop.trajectory, scene)
     rows = [row for row in judgement.certificate.rows if not row.ok and row.of_liquid]
     highest: dict[str, Row] = {}
@@ -192,6 +200,7 @@ def _told(stop: Stop, scene: Scene) -> Recovery:
         excess={name: row.worst_value - row.limit for name, row in highest.items()},
         until=_until(stop.trajectory, scene) if any(row.at_end for row in rows) else _last_above(judgement),
         spilled=tuple(name for name, row in highest.items() if row.worst_value > rims.get(name, math.inf)),
+        moves=not found.stays,
     )
 
 

@@ -122,13 +122,13 @@ def stop_from(
         splice = Splice(plan.trajectory, state.t, lead, stopping_scene(plan.scene, lead, residual))
     found, sooner = None, _SOONER * left
     if before is None or afresh_above <= 0.0:
-        found = found_from_afar(scene, state, joint_path, left, sooner, splice)
+        found = _staying(found_from_afar(scene, state, joint_path, left, sooner, splice))
     if before is not None:
         most = left if found is None else found.stop.duration
         found = _following(scene, state, before, most, splice) or found
         if afresh_above > 0.0 and (found is None or found.stop.duration > afresh_above):
             most = sooner if found is None else min(found.stop.duration, sooner)
-            found = found_from_afar(scene, state, joint_path, left, most, splice) or found
+            found = _staying(found_from_afar(scene, state, joint_path, left, most, splice)) or found
     seconds = time.perf_counter() - began
     bound = bound_of(scene, state)
     if found is None or found.stop.duration > _SOONER * left:
@@ -173,13 +173,18 @@ def found_from_afar(
 ) -> Found | None:
     """The first certified stop that is found from smooth motions, at most as long as `left`, s; None where none is.
 
-    Where objects stay in none of those that the equations of the scene give, it is solved by the whole physics. What
-    takes longer than `most`, s, is given up before it is certified; that is `left` by default.
+    Where objects stay in none of those that the equations of the scene give, it is solved by the whole physics; where
+    they stay in none of these either, it is a stop that says so (`Found.stays`). What takes longer than `most`, s, is
+    given up before it is certified; that is `left` by default.
     """
     most = left if most is None else most
     found = _from_smooth_motions(scene, scene.fidelity, state, joint_path, left, most, splice)
-    if found is not None and not found.stays:
-        found = _from_smooth_motions(scene, "full", state, joint_path, left, most, splice)
+    if found is None or found.stays:
+        return found
+    return _from_smooth_motions(scene, "full", state, joint_path, left, most, splice) or found
+
+
+def _staying(found: Found | None) -> Found | None:
     return found if found is not None and found.stays else None
 
 
