@@ -19,7 +19,7 @@ from tests.builders import joint_path_of
 
 def candidate(name: str) -> Any:
     stages = SimpleNamespace(name=name, duration=1.0, intervals=10)
-    scene = SimpleNamespace(motion=SimpleNamespace(speed_range=None))
+    scene = SimpleNamespace(motion=SimpleNamespace(speed_range=None), tracking=None)
     task = SimpleNamespace(scene=scene, judged_scene=lambda _: scene)
     return SimpleNamespace(stages=stages, active=SimpleNamespace(task=task, refined=frozenset()))
 

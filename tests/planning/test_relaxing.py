@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -80,8 +79,8 @@ def test_of_two_motions_only_a_certified_one_counts(begun: Begun, monkeypatch: p
     refined = refinement._refine_until_certified
     answers: list[Judged] = []
 
-    def broken_the_second_time(candidate: Candidate, log: Log, *, below: float = math.inf) -> Judged:
-        found = refined(candidate, log, below=below)
+    def broken_the_second_time(candidate: Candidate, log: Log, **limits: float) -> Judged:
+        found = refined(candidate, log, **limits)
         verdict = replace(found.judgement.certificate, ok=not answers)
         answers.append(replace(found, judgement=replace(found.judgement, certificate=verdict)))
         return answers[-1]

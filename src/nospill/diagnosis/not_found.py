@@ -26,6 +26,10 @@ from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.scene import Scene
 from nospill.transcription.solvers import Solution
 
+_REST_FIRST = (
+    " Or let the motion before come to its end, or to a stop (stop=True with its own scene), and plan on from there."
+)
+
 
 def not_found(trials: Trials, last: Answer | None) -> NoSolutionError:
     """The error where not even with the time left open a motion was found."""
@@ -51,6 +55,9 @@ def not_found(trials: Trials, last: Answer | None) -> NoSolutionError:
             changes = [*helpful_moves(scene)]
             text = f"No motion found: {said}, even in a smooth motion of {0.95 * slow:.3g} s; "
             text += advice_on(worst.subject, tuple(changes))
+        elif scene.initial_state is not None and not scene.motion.stop:
+            text = f"No motion found that goes on from this state: {said} in a smooth one. "
+            text += advice(changes, "Relax that limit.") + _REST_FIRST
         else:
             text = f"No motion found: {said}, even in a smooth motion of {0.95 * slow:.3g} s. "
             text += advice(changes, "Relax that limit.")

@@ -190,7 +190,8 @@ def _offers(
         yield from _warm(candidate, log)
         if candidate is not None and log.out_of_time:
             return
-    for candidate in _from_rest_of(task, begun, log) if warm is None and begun is not None else ():
+    rest = rest_along(scene, begun)
+    if warm is None and rest is not None and (candidate := going_on(task, rest, log)) is not None:
         yield candidate
         if log.out_of_time:
             return
@@ -210,7 +211,9 @@ def _offers(
             return
     searches = passage_searches(task, joint_path)
     if scene.motion.leaves_path:
-        yield from _off_path(task, joint_path, searches, log)
+        yield from _off_path(task, joint_path, searches, begun, log)
+        if left is not None:
+            yield left
         return
     if left is not None:  # a stop may be sooner than that
         yield _find_or_explain(searches, log, PassageSearch.first)
@@ -219,15 +222,6 @@ def _offers(
     yield find_motion(searches, log)
     if not log.out_of_time:
         yield find_motion(searches, log, PassageSearch.further)
-
-
-def _from_rest_of(task: Task, begun: MotionState, log: Log) -> Iterator[Candidate]:
-    """Solved from what is left of the motion before, bent where this one may leave its path and ends elsewhere."""
-    rest = rest_along(task.scene, begun)
-    if rest is None and task.scene.motion.corridor is not None and not task.scene.motion.stop:
-        yield from going_elsewhere(task, begun.rest, log)
-    elif rest is not None and (candidate := going_on(task, rest, log)) is not None:
-        yield candidate
 
 
 def _warm(candidate: Candidate | None, log: Log) -> Iterator[Candidate]:
@@ -239,15 +233,23 @@ def _warm(candidate: Candidate | None, log: Log) -> Iterator[Candidate]:
 
 
 def _off_path(
-    task: Task, joint_path: JointPath, searches: Sequence[PassageSearch], log: Log
+    task: Task, joint_path: JointPath, searches: Sequence[PassageSearch], begun: MotionState | None, log: Log
 ) -> Iterator[Candidate | Judged | NoSolutionError]:
     """`_offers` where the tray may leave its path: the motion on the path is a start, and taken where all else fails.
+
+    A motion that goes on from a state leaves the path at once: there it is what is left of the motion before, bent.
 
     Raises:
         NoSolutionError: there is no motion on the path either.
     """
     yield _find_or_explain(searches, log, PassageSearch.first)
     if log.out_of_time:
+        return
+    if task.scene.initial_state is not None:
+        if begun is not None and not task.scene.motion.stop:
+            yield from going_elsewhere(task, begun.rest, log)
+        if not log.out_of_time:
+            yield _find_or_explain(searches, log, PassageSearch.further)
         return
     given = certify_by_refinement(find_motion(passage_searches(task.on_path, joint_path), log), log)
     if (again := start_off_path(task, given, log)) is not None:
