@@ -209,8 +209,8 @@ class Plan:
         """How arm, tray and liquids move at the sample nearest to a time, s: where another motion may go on from.
 
         Raises:
-            ScenarioError: the time is outside the motion, or the state is not known: the tray may leave its path, or
-                the joints follow their controller late.
+            ScenarioError: the time is outside the motion, or the state is not known: the joints follow their controller
+                late.
             ModelError: the liquids cannot be integrated.
         """
         return states_of(self.trajectory, self.scene, [t])[0]
