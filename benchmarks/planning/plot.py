@@ -25,7 +25,7 @@ def save_plot(results: dict[str, Any], place: Path) -> None:
     bars.invert_yaxis()
     bars.set_xlabel("time / s")
     if keys:
-        bars.legend(fontsize=7, loc="lower right")
+        figure.legend(*bars.get_legend_handles_labels(), fontsize=7, loc="outside upper left", ncols=8)
     for label, name, marker in (
         ("equal cups", r"(\d+) cups?", "o"),
         ("different cups", r"(\d+) different cups", "^"),
