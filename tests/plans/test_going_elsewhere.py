@@ -80,6 +80,11 @@ def test_a_motion_along_a_way_of_its_own_goes_on_too(elsewhere: Plan) -> None:
     assert on.certificate.ok and on.duration <= 1.01 * (elsewhere.duration - then.t)
 
 
+def test_a_single_stop_of_such_a_plan_is_refused_and_its_stops_are_named(elsewhere: Plan) -> None:
+    with pytest.raises(ScenarioError, match="nospill stops DIR"):
+        ns.plan(elsewhere.scene, start=elsewhere.state_at(elsewhere.duration / 3), stop=True)
+
+
 def test_offset_and_turn_are_what_the_tray_moves_beside_its_path(smooth_motion: Callable[..., SmoothMotion]) -> None:
     """Path, offset and turn with their rates make the motion of the tray, to the second derivative."""
     motion = smooth_motion("matrix-rigid", tilt=(0.2, 0.15))

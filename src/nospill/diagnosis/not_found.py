@@ -26,9 +26,7 @@ from nospill.robots.kinematics.regularity import determinants, keeps_branch
 from nospill.scene.scene import Scene
 from nospill.transcription.solvers import Solution
 
-_REST_FIRST = (
-    " Or let the motion before come to its end, or to a stop (stop=True with its own scene), and plan on from there."
-)
+_REST_FIRST = " Or let the motion before come to its end, or to one of its stops (ns.stops), and plan on from there."
 
 
 def not_found(trials: Trials, last: Answer | None) -> NoSolutionError:

@@ -19,7 +19,12 @@ def require_may_begin_in_motion(scenario: Scenario) -> None:
                 "motion.stop is stated without it; give the state to stop from, as plan.state_at(t) does"
             )
         return
-    rules = scenario.motion
+    rules, path = scenario.motion, scenario.path
+    if rules.stop and (path.width is not None or path.yaw_free):
+        raise ScenarioError(
+            "motion.stop is stated, and the tray may leave its path or turn on it (a corridor, a free path, a free "
+            "yaw): stops of such a plan go along its own way; nospill stops DIR, or ns.stops(plan), finds them"
+        )
     late = scenario.controller is not None and scenario.controller.is_late
     band = scenario.tolerance is not None and scenario.tolerance.has_band
     reasons = {
