@@ -112,7 +112,8 @@ class ActiveSet:
         jerk_weight_factor: factor on them, above 1 where modes outside the problem swing too far at the end.
         excess: largest part of its limit by which a row on the final state was over it before the last back-off.
         crests: of the broken rows in the problem before the last back-off.
-        margins: what rows keep along the motion beside that, for arms that are late.
+        margins: what rows keep along the motion beside that, for arms that are late, or of a motion that goes on from a
+            state for what the second order adds.
         smoothness: what the weights of the jerks before led to over the band.
         holds_with: factor on them with which a motion over the band held.
     """
