@@ -90,17 +90,17 @@ def test_jerks_weigh_more_where_modes_outside_the_problem_swing_too_far() -> Non
         return active.after(judgement(row(*residual, 1.0 - use)))
 
     refined = after(ActiveSet.of(Task.of(scene), Q), 9.0)
-    assert refined.refined == {"box"} and refined.jerk_weight_factor == 1.0  # with one mode anything may be over
-    assert after(refined, 2.9).jerk_weight_factor == 1.0  # back-off may do
+    assert refined.refined == {"box"} and refined.smoothness.factor == 1.0  # with one mode anything may be over
+    assert after(refined, 2.9).smoothness.factor == 1.0  # back-off may do
     rough = after(refined, 5.0)
-    assert rough.jerk_weight_factor == pytest.approx(25.0) and rough.backoff == refined.backoff and rough.modes == 3
-    assert after(after(rough, 5.0), 90.0).jerk_weight_factor == 1e4  # at most
+    assert rough.smoothness.factor == pytest.approx(25.0) and rough.backoff == refined.backoff and rough.modes == 3
+    assert after(after(rough, 5.0), 90.0).smoothness.factor == 1e4  # at most
 
     tight = refined.with_backoff({residual: 0.85})
     six = after(tight, 1.2)
-    assert (six.modes, six.jerk_weight_factor) == (6, 1.0) and six.backoff[residual] < 0.1
-    assert after(six.with_backoff({residual: 0.85}), 1.2).jerk_weight_factor == 2.0
-    assert after(six.with_backoff({residual: 0.85}), 0.99).jerk_weight_factor == 1.0
+    assert (six.modes, six.smoothness.factor) == (6, 1.0) and six.backoff[residual] < 0.1
+    assert after(six.with_backoff({residual: 0.85}), 1.2).smoothness.factor == 2.0
+    assert after(six.with_backoff({residual: 0.85}), 0.99).smoothness.factor == 1.0
     once = after(refined, 1.2)
     assert (once.modes, once.excess) == (3, pytest.approx(0.2)) and after(once, 1.1).modes == 3  # back-off helps
     assert after(once, 1.13).modes == 6  # it leaves two thirds of the excess

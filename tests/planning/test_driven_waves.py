@@ -19,11 +19,10 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate
 from nospill.planning.driven_waves import (
     as_carried,
+    beyond_backoff_of_flow,
     far_over,
-    first_jerk_weight,
     relaxed_by_flow,
     smooth_enough,
-    steadier,
     steadier_backoff,
 )
 from nospill.planning.refinement import solve_from
@@ -71,19 +70,17 @@ def _left(use: float, subject: str = "cup") -> Row:
 def test_smoothness_comes_first_where_much_is_left() -> None:
     assert far_over([_left(6.5)], {"cup"}) and not far_over([_left(6.5)], {"mug"}) and not far_over([_left(5)], {"cup"})
     assert smooth_enough([_left(2.5)], {"cup"}) and not smooth_enough([_left(3.5)], {"cup"})
-    assert 1.0 == first_jerk_weight(1.0) < first_jerk_weight(100.0) < 10.0
 
 
 def test_jerks_weigh_more_where_back_off_is_not_enough() -> None:
-    def factor(use: float, backoff: float) -> float:
+    def over(use: float, backoff: float) -> float:
         row = _left(use)
-        return steadier(2.0, [row], {"cup"}, {row.id: backoff})
+        return beyond_backoff_of_flow([row], {"cup"}, {row.id: backoff})
 
-    assert factor(0.9, 0.9) == factor(1.1, 0.5) == 2.0
-    assert factor(1.1, 0.75) == pytest.approx(2.5)
-    assert factor(1.5, 0.0) == pytest.approx(2.0 * 1.5**2, rel=1e-2)
-    assert factor(9.0, 0.0) == pytest.approx(10.0)
-    assert steadier(2.0, [_left(9.0)], {"mug"}, {}) == 2.0
+    assert over(0.9, 0.9) == over(1.1, 0.5) == 0.0
+    assert over(1.1, 0.75) == pytest.approx(1.1, rel=1e-3)
+    assert over(1.5, 0.0) == pytest.approx(1.5, rel=1e-2)
+    assert beyond_backoff_of_flow([_left(9.0)], {"mug"}, {}) == 0.0
 
 
 def test_with_them_the_rows_that_are_over_get_back_off() -> None:

@@ -11,15 +11,12 @@ from nospill.laws.constraints.base import RowId
 from nospill.margins import margins
 from nospill.planning import refinement
 from nospill.planning.planner import plan
+from nospill.planning.smoothness import AS_STATED, LATE, LATE_AT_ONCE, RINGING, Smoothness
 from nospill.planning.tracking_margins import (
-    Smoothness,
-    first_heavier,
-    heavier,
-    heavier_where_joints_ring,
-    lighter,
     next_margins,
     rings_far,
-    use_of_smoothness,
+    rougher,
+    smoother,
 )
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
@@ -85,48 +82,30 @@ def test_margins_are_what_the_band_adds_and_fall_half_way_at_most() -> None:
 
 
 def test_jerks_weigh_more_only_for_heights_at_the_end() -> None:
-    assert use_of_smoothness(_band(slip=1.4).use) == 0.0
-    assert use_of_smoothness(_band(slip=1.4, residual_height=1.05).use) == 1.05
-    assert heavier(2.0, 0.0) == 2.0
-    assert 2.0 < heavier(2.0, 1.05) < heavier(2.0, 1.2) < heavier(2.0, 9.0) == pytest.approx(4.0)
+    for margins_, cause in ((False, LATE_AT_ONCE), (True, LATE)):
+        assert smoother(AS_STATED, _band(slip=1.4).use, rings=False, margins=margins_) == AS_STATED
+        found = smoother(AS_STATED, _band(slip=1.4, residual_height=1.7).use, rings=False, margins=margins_)
+        assert found == AS_STATED.heavier(cause, 1.7) != AS_STATED
+    risen = AS_STATED.heavier(LATE_AT_ONCE, 1.7)
+    assert smoother(risen, _band(residual_height=1.7).use, rings=False, margins=False) == risen  # once
 
 
-@pytest.mark.parametrize("fall", [0.25, 0.5, 0.8])
-def test_weights_reach_by_secants_where_a_height_holds(fall: float) -> None:
-    """Of a height that falls as a power of them: within the rounds, and by no more than a fifth too far."""
-    holds = (1.9 / 1.0) ** (1.0 / fall)
-    factor, before, rounds = 1.0, None, 0
-    while (use := 1.9 * factor**-fall) > 1.0:
-        before, factor, rounds = Smoothness(factor, use), heavier(factor, use, before), rounds + 1
-    assert rounds < refinement._ROUNDS_OVER_BAND // 2
-    assert holds <= factor < 1.2 * holds
-
-
-def test_weights_rise_at_once_before_margins_are_known_and_not_beyond_measure() -> None:
-    assert first_heavier(1.0, 1.4) == 1.0
-    assert 1.0 < first_heavier(1.0, 1.6) < first_heavier(1.0, 1.9) < first_heavier(1.0, 9.0)
-    assert first_heavier(1.0, 9.0) == first_heavier(1.0, 90.0)
-    assert first_heavier(100.0, 9.0) == 100.0
-
-
-def test_weights_fall_after_a_motion_that_holds_with_room_and_never_below_those_stated() -> None:
-    assert lighter(10.0, 0.999) == 10.0
-    assert lighter(10.0, 0.5) < lighter(10.0, 0.95) < 10.0
-    assert lighter(1.01, 0.5) == 1.0
-    assert lighter(9.0, 0.999, rings=True) == pytest.approx(3.0)
+def test_after_a_motion_that_holds_they_weigh_less_as_far_as_those_heights_let_them() -> None:
+    heavy, uses = Smoothness(9.0), _band(slip=0.99, residual_height=0.5).use
+    assert rougher(heavy, uses, rings=False) == heavy.lighter(LATE, 0.5)
+    assert rougher(heavy, uses, rings=True).factor == pytest.approx(3.0)
 
 
 def test_jerks_weigh_more_for_any_row_where_joints_ring() -> None:
-    assert use_of_smoothness(_band(slip=1.05, residual_height=0.5).use, rings=True) == 1.05
-    assert use_of_smoothness(_band(slip=1.05, residual_height=0.5).use, rings=True, margins=True) == 0.5
-    assert use_of_smoothness(_band(slip=1.2, residual_height=0.5).use, rings=True, margins=True) == 1.2
-    assert heavier_where_joints_ring(2.0, 0.9) == 2.0
-    assert heavier_where_joints_ring(2.0, 1.05) == pytest.approx(2.5)
-    assert heavier_where_joints_ring(2.0, 9.0) == pytest.approx(20.0)
-    assert heavier_where_joints_ring(100.0, 1.5, 144.0) == pytest.approx(120.0)  # half way to what holds
-    assert rings_far(_band(slip=9.0), 10.0)
-    assert not rings_far(_band(slip=9.0), 1e4)
-    assert not rings_far(_band(slip=1.1), 10.0)
+    def factor(*, margins: bool, **use: float) -> float:
+        return smoother(Smoothness(2.0), _band(**use).use, rings=True, margins=margins).factor
+
+    assert factor(margins=False, slip=1.05, residual_height=0.5) == Smoothness(2.0).heavier(RINGING, 1.05).factor > 2.0
+    assert factor(margins=True, slip=1.05, residual_height=0.5) == 2.0
+    assert factor(margins=True, slip=1.2, residual_height=0.5) == Smoothness(2.0).heavier(RINGING, 1.2).factor
+    assert rings_far(_band(slip=9.0), Smoothness(10.0))
+    assert not rings_far(_band(slip=9.0), Smoothness(1e4))
+    assert not rings_far(_band(slip=1.1), Smoothness(10.0))
 
 
 def test_objects_that_cannot_slosh_are_planned_for_joints_that_ring() -> None:

@@ -14,7 +14,6 @@ from types import MappingProxyType
 import numpy as np
 
 from nospill.certification.certificate import Judgement
-from nospill.certification.tracking_band import Band
 from nospill.certification.verdict import Row
 from nospill.laws.constraints import END_NAMES, by_name, constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, RowId
@@ -25,11 +24,10 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.planning.driven_waves import (
     FIRST_BACKOFF,
     as_carried,
+    beyond_backoff_of_flow,
     far_over,
-    first_jerk_weight,
     relaxed_by_flow,
     smooth_enough,
-    steadier,
     steadier_backoff,
 )
 from nospill.planning.members import (
@@ -42,27 +40,23 @@ from nospill.planning.members import (
     uses_of,
     without_ease,
 )
-from nospill.planning.second_order import by_modes, rougher, smoothed, with_room
+from nospill.planning.second_order import beyond_crests, by_modes, taken_by_order, with_room
+from nospill.planning.smoothness import AS_STATED, FLOW, OTHER_MODES, SECOND_ORDER, Smoothness
 from nospill.planning.task import Task
 from nospill.planning.tightening import (
     ROUGH,
     backoff_with_room,
     beyond_backoff,
-    increased_jerk_weight,
     relaxed_backoff,
     shared_backoff,
 )
 from nospill.planning.tracking_margins import (
-    Smoothness,
-    first_heavier,
-    heavier,
-    heavier_where_joints_ring,
     joining,
-    lighter,
     next_margins,
     raised_backoff,
     rings_far,
-    use_of_smoothness,
+    rougher,
+    smoother,
 )
 from nospill.planning.wave_margins import margins_of_waves
 from nospill.scene.scene import Scene
@@ -109,13 +103,11 @@ class ActiveSet:
         everywhere: rows of clearance whose pairs have planes however far apart they are.
         expected: duration, s, that the weights of the jerks are for, once it is known: with other weights it would be
             another objective.
-        jerk_weight_factor: factor on them, above 1 where modes outside the problem swing too far at the end.
+        smoothness: the factor on them, above 1 where only smoother motions keep some rows.
         excess: largest part of its limit by which a row on the final state was over it before the last back-off.
         crests: of the broken rows in the problem before the last back-off.
         margins: what rows keep along the motion beside that, for arms that are late, or of a motion that goes on from a
             state for what the second order adds.
-        smoothness: what the weights of the jerks before led to over the band.
-        holds_with: factor on them with which a motion over the band held.
     """
 
     task: Task
@@ -128,12 +120,10 @@ class ActiveSet:
     backoff: Mapping[RowId, float]
     everywhere: frozenset[RowId] = frozenset()
     expected: float | None = None
-    jerk_weight_factor: float = 1.0
+    smoothness: Smoothness = AS_STATED
     excess: float = 0.0
     crests: Crests = field(default_factory=dict)
     margins: Mapping[RowId, Margin] = field(default_factory=dict)
-    smoothness: Smoothness | None = None
-    holds_with: float = np.inf
 
     @classmethod
     def of(
@@ -224,33 +214,29 @@ class ActiveSet:
         following, band = self._after(judgement, slack), judgement.band
         if band is None or (max(band.use.values(), default=0.0) <= 1.0 and following is self):
             return following
-        names, tracking, first = following.names, self.task.scene.tracking, not self.margins
-        rings = tracking is not None and tracking.resonance is not None
-        smoothed = following if rings else self._smoothed_over(band, following)
+        names, first, rings = following.names, not self.margins, self._rings
+        smooth = smoother(self.smoothness, band.use, rings=rings, margins=not first)
+        if not rings:
+            following = following.as_smooth_as(smooth)
         if following.scene is not self.scene or (first and _far_over(judgement)):
-            return smoothed  # what the arm does as it is stated comes first
+            return following  # what the arm does as it is stated comes first
         if rings:
-            use, factor = use_of_smoothness(band.use, rings=True, margins=not first), following.jerk_weight_factor
-            heavy = heavier_where_joints_ring(factor, use, self.holds_with)
-            smoothed = replace(following, jerk_weight_factor=heavy)
-            if rings_far(band, factor):
-                return smoothed
-        following = smoothed
+            following = following.as_smooth_as(smooth)
+            if rings_far(band, self.smoothness):
+                return following
         margins = next_margins(self.margins, band, names, judgement.end_time)
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names)
         rows = following.rows | (joining(band, names) & following.possible)
         return replace(following, rows=rows, margins=margins, backoff=backoff)
 
-    def _smoothed_over(self, band: Band, following: ActiveSet) -> ActiveSet:
-        """The next set with jerks of more weight, where late joints leave too much after the end."""
-        factor, use = self.jerk_weight_factor, use_of_smoothness(band.use)
-        if self.margins:
-            heavy = heavier(factor, use, self.smoothness)
-        else:
-            heavy = first_heavier(factor, use) if self.smoothness is None else factor
-        if heavy <= following.jerk_weight_factor:
-            return following
-        return replace(following, jerk_weight_factor=heavy, smoothness=Smoothness(factor, use))
+    def as_smooth_as(self, smoothness: Smoothness) -> ActiveSet:
+        """The same with jerks of at least that weight."""
+        return replace(self, smoothness=smoothness) if smoothness.factor > self.smoothness.factor else self
+
+    @property
+    def _rings(self) -> bool:
+        tracking = self.task.scene.tracking
+        return tracking is not None and tracking.resonance is not None
 
     def with_less_margin(self) -> ActiveSet:
         """The same with half of what rows keep along the motion: for a problem that has no answer with all of it."""
@@ -281,13 +267,14 @@ class ActiveSet:
         if 1.0 < over <= ROUGH and modes > self.modes:
             kept = {row: value for row, value in self.backoff.items() if row not in self._final}
             return replace(self, modes=modes, backoff=kept).joined(self.members, refined, judgement)
-        heavier = max(increased_jerk_weight(self.jerk_weight_factor, over), smooth.jerk_weight_factor)
-        by_flow = steadier(self.jerk_weight_factor, self._on_members(rows), driven, self.backoff)
-        if by_flow > heavier:
+        smooth = smooth.as_smooth_as(self.smoothness.heavier(OTHER_MODES, over))
+        left = beyond_backoff_of_flow(self._on_members(rows), driven, self.backoff)
+        by_flow = self.smoothness.heavier(FLOW, left)
+        if by_flow.factor > smooth.smoothness.factor:
             raised = steadier_backoff(self._on_members(rows), driven, self.backoff)
-            return replace(self, jerk_weight_factor=by_flow, backoff=raised)
-        if heavier > self.jerk_weight_factor:
-            return replace(smooth, jerk_weight_factor=heavier)
+            return replace(self, smoothness=by_flow, backoff=raised)
+        if smooth.smoothness is not self.smoothness:
+            return smooth
         outside = self._outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
         if outside:
             return self.joined(self.members | outside, refined | {name for name, _ in outside if refined}, judgement)
@@ -340,10 +327,11 @@ class ActiveSet:
     def _smoothed(self, rows: Iterable[Row]) -> ActiveSet:
         """The set with what heights of second order after the end ask for, where they are over their limits."""
         left = list(self._on_members(rows))
-        backoff, factor = with_room(left, self.backoff), smoothed(self.jerk_weight_factor, left, self.backoff)
-        if self.scene.motion.duration is None and factor > self.jerk_weight_factor:
+        over = beyond_crests(left, self.backoff, smooth=self.smoothness.factor > 1.0)
+        backoff, smooth = with_room(left, self.backoff), self.as_smooth_as(self.smoothness.heavier(SECOND_ORDER, over))
+        if self.scene.motion.duration is None and smooth is not self:
             at_end = {row: value for row, value in backoff.items() if row in self._final}
-            return replace(self, jerk_weight_factor=factor, backoff={**self.backoff, **at_end})
+            return replace(smooth, backoff={**self.backoff, **at_end})
         lower = frozenset(row for row, value in backoff.items() if value > self.backoff[row])
         return replace(self, rows=self.rows | (lower & self.possible), backoff=backoff)
 
@@ -362,7 +350,7 @@ class ActiveSet:
         own = list(self._on_members(self._judged(judgement), own=True))
         relaxed = relaxed_backoff(self.backoff, uses_of(row for row in own if row.linear_value is None))
         relaxed = {**relaxed, **relaxed_by_order(own, self.backoff)}
-        if self.jerk_weight_factor <= 1.0:  # of smoother motions crests say little of what is left
+        if self.smoothness.factor <= 1.0:  # of smoother motions crests say little of what is left
             relaxed = relaxed_by_flow(relaxed, own, self._driven, self.backoff)
         return replace(self, backoff=relaxed)
 
@@ -373,37 +361,32 @@ class ActiveSet:
         """
         if self.margins and judgement.band is not None:
             margins = next_margins({}, judgement.band, self.names, judgement.end_time)
-            tracking = self.task.scene.tracking
-            rings = tracking is not None and tracking.resonance is not None
-            use = use_of_smoothness(judgement.band.use, rings=rings)
-            heavy = self.jerk_weight_factor
-            light = lighter(heavy, use, self.smoothness, rings=rings)
-            found = replace(self, margins=margins, jerk_weight_factor=light, smoothness=Smoothness(heavy, use))
-            return replace(found, holds_with=heavy)
+            light = rougher(self.smoothness, judgement.band.use, rings=self._rings)
+            return replace(self, margins=margins, smoothness=light)
         if self.task.smooth_first:
             return self._with_driven(judgement)
         own = list(self._on_members(self._judged(judgement)))
-        factor = rougher(self.jerk_weight_factor, own)
-        if factor == self.jerk_weight_factor:
+        light = self.smoothness.lighter(SECOND_ORDER, taken_by_order(own))
+        if light.factor == self.smoothness.factor:
             return self
-        return replace(self, jerk_weight_factor=factor, backoff={**self.backoff, **relaxed_by_order(own, self.backoff)})
+        return replace(self, smoothness=light, backoff={**self.backoff, **relaxed_by_order(own, self.backoff)})
 
     def _with_driven(self, judgement: Judgement) -> ActiveSet:
         """The set with waves of second order as states, after a motion that is smooth enough to begin with."""
-        task, factor = replace(self.task, smooth_first=False), first_jerk_weight(self.jerk_weight_factor)
-        return self._begun_again(task, factor, judgement)
+        task = replace(self.task, smooth_first=False)
+        return replace(self, smoothness=self.smoothness.with_waves_as_states)._begun_again(task, judgement)
 
     def without_driven(self, judgement: Judgement) -> ActiveSet:
         """The set of a task that stills waves of second order by smoothness alone; itself where they are no states."""
         if not self.task.may_be_driven:
             return self
         task = replace(self.task, smooth_alone=True, smooth_first=False)
-        return self._begun_again(task, self.jerk_weight_factor, judgement)
+        return self._begun_again(task, judgement)
 
-    def _begun_again(self, task: Task, factor: float, judgement: Judgement) -> ActiveSet:
-        """The set of another task, with this factor on the weights of the jerks and the same modes joined afresh."""
+    def _begun_again(self, task: Task, judgement: Judgement) -> ActiveSet:
+        """The set of another task, with the same modes joined afresh."""
         kept = {row: value for row, value in self.backoff.items() if row not in self._final}
-        begun = replace(self, task=task, refined=frozenset(), backoff=kept, jerk_weight_factor=factor)
+        begun = replace(self, task=task, refined=frozenset(), backoff=kept)
         return begun.joined(self.members, self.refined, judgement)
 
     def joined(self, members: frozenset[VariantId], refined: frozenset[str], judgement: Judgement) -> ActiveSet:
@@ -415,22 +398,16 @@ class ActiveSet:
         grown = ActiveSet.of(self.task, judgement.replay.joint_position, members, refined, self.modes)
         grown = replace(grown, rows=grown.rows | (self.rows & self.task.of_arm))
         fresh = {label for (name, _), label in grown.names.items() if name in refined - self.refined}
-        smoother = smooth.jerk_weight_factor > self.jerk_weight_factor
-        of_sum = backoff_with_room(_OF_SUM, 1.0) if smoother else _OF_SUM
+        rises = smooth.smoothness.factor > self.smoothness.factor
+        of_sum = backoff_with_room(_OF_SUM, 1.0) if rises else _OF_SUM
         driven = grown._driven
         residual = {RowId(ResidualHeight.name, own): FIRST_BACKOFF if own in driven else of_sum for own in fresh}
         spent = dict.fromkeys(self._members.saturated_at_end(self.backoff), _OF_SUM)
         grown = grown.with_backoff({**smooth.backoff, **spent}).with_backoff(residual)
         own = list(grown._on_members(self._judged(judgement), own=True))
-        if not smoother:  # else those crests say little of smoother waves
+        if not rises:  # else those crests say little of smoother waves
             grown = grown.with_backoff(backoff_by_order(own, grown.backoff))
-        grown = replace(
-            grown,
-            expected=self.expected,
-            jerk_weight_factor=smooth.jerk_weight_factor,
-            margins=self.margins,
-            smoothness=self.smoothness,
-        )
+        grown = replace(grown, expected=self.expected, smoothness=smooth.smoothness, margins=self.margins)
         return grown.without_far(own)
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:

@@ -87,7 +87,7 @@ def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = Non
         active.scene,
         motion.intervals,
         nominal_duration=active.expected or motion.duration,
-        jerk_weight_factor=active.jerk_weight_factor,
+        jerk_weight_factor=active.smoothness.factor,
         backoff=active.backoff,
         active=active.rows,
         payload=active.task.payload,

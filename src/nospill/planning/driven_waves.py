@@ -20,14 +20,10 @@ FIRST_BACKOFF = 0.5
 """Of the row on the final state: the optimiser has the root of the squares, the judge the flow's highest surface."""
 _FAR_OVER, _SMOOTH_ENOUGH = 6.0, 3.0
 """Uses of a residual limit: from the first on waves are stilled by smoothness before they are states, to the second."""
-_OF_SMOOTH = 0.42
-"""Power of the weights of a smooth motion's jerks with which these states are begun; 10 to 40 times the usual ones."""
 _NEARLY, _SPENT = 1.2, 0.7
 """Use of the limit up to which back-off is enough, and back-off from which more of it would not be."""
 _SHARE, _MOST_ROOM = 0.25, 0.75
 """Part of what back-off leaves the waves of the problem that they lose at once beside that, and the most of it."""
-_FALLS, _LEAST, _MOST = 2.0, 1.25, 5.0
-"""The weights of the jerks rise with this power of the use, and by what at least and at most."""
 _STEEPLY, _AIM = 3.0, 0.95
 """Power of the crests with which waves of the third order grow, and the use that crests get room for; it scatters."""
 
@@ -47,26 +43,16 @@ def smooth_enough(rows: Iterable[Row], driven: Collection[str]) -> bool:
     return all(row.use <= _SMOOTH_ENOUGH for row in _left(rows, driven))
 
 
-def first_jerk_weight(factor: float) -> float:
-    """Factor on the weights of the jerks of the first problem with these states, from that of a smooth motion."""
-    return max(factor**_OF_SMOOTH, 1.0)
-
-
-def steadier(factor: float, rows: Iterable[Row], driven: Collection[str], backoff: Mapping[RowId, float]) -> float:
-    """Factor on the weights of the jerks for the next problem; the same where back-off is enough.
+def beyond_backoff_of_flow(rows: Iterable[Row], driven: Collection[str], backoff: Mapping[RowId, float]) -> float:
+    """The largest use by the flow that back-off alone does not bring back; 0 where it does.
 
     Args:
-        factor: of the last problem.
         rows: as judged by the flow, by the names of the members.
         driven: members whose waves are states.
         backoff: of every row of the problem.
     """
-    found = factor
-    for row in _left(rows, driven):
-        use = (row.size + row.shortfall) / row.size
-        if use > _NEARLY or (use > 1.0 and backoff.get(row.id, 0.0) > _SPENT):
-            found = max(found, factor * min(max(use**_FALLS, _LEAST), _MOST))
-    return found
+    uses = (((row.size + row.shortfall) / row.size, backoff.get(row.id, 0.0)) for row in _left(rows, driven))
+    return max((use for use, kept in uses if use > _NEARLY or (use > 1.0 and kept > _SPENT)), default=0.0)
 
 
 def steadier_backoff(
@@ -74,7 +60,7 @@ def steadier_backoff(
 ) -> dict[RowId, float]:
     """Back-off of every row with which the jerks then weigh more: of the rows that are over, a part of what they had.
 
-    Arguments as of `steadier`.
+    Arguments as of `beyond_backoff_of_flow`.
     """
     raised = dict(backoff)
     for row in {row.id for row in _left(rows, driven) if row.shortfall > 0.0} & backoff.keys():

@@ -151,7 +151,7 @@ def _plan(
     report = log.report(
         judged.candidate.solution.status,
         backoff=judged.candidate.active.increased(),
-        jerk_weight_factor=judged.candidate.active.jerk_weight_factor,
+        jerk_weight_factor=judged.candidate.active.smoothness.factor,
         branch=branch_in_words(judged.trajectory.joint_position[0]),
         base_yaw=base_yaw_text(scene) if base_is_free else None,
         end_yaws=end_yaws_text(scene, free) if free else None,

@@ -152,7 +152,7 @@ def _relaxed(judged: Judged, log: Log) -> Judged:
     if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
         with suppress(NoSolutionError):
             again = _tighten(last, relaxed, log)
-            heaviest = _HEAVIER * last.active.jerk_weight_factor if by_flow else math.inf
+            heaviest = _HEAVIER * last.active.smoothness.factor if by_flow else math.inf
             refined = again and _refine_until_certified(again, log, below=end, heaviest=heaviest)
             if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
                 return refined
@@ -200,11 +200,11 @@ def _refine_until_certified(
         before, certified = judged.candidate, judged.judgement.certificate.ok
         active = before.active.after(judged.judgement, before.solution.slack)
         grows = active.scene is not before.active.scene
-        if active is before.active or (certified and grows) or active.jerk_weight_factor > heaviest:
+        if active is before.active or (certified and grows) or active.smoothness.factor > heaviest:
             break
         log.rounds += 1
         if not grows:
-            tightened += bool(active.margins) or active.jerk_weight_factor == before.active.jerk_weight_factor
+            tightened += bool(active.margins) or active.smoothness.factor == before.active.smoothness.factor
             start = before.stages
             others = active.margins is not before.active.margins
             better = _tighten(before, active, log, afresh=not others)
@@ -263,7 +263,7 @@ def _tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = T
 
     Then once more as from any start, where `afresh`: with margins that are too much it takes longest, and in vain.
     """
-    heavier = active.jerk_weight_factor / before.active.jerk_weight_factor
+    heavier = active.smoothness.factor / before.active.smoothness.factor
     alike = heavier == 1.0 or (bool(before.active.margins) and 1.0 / _NEARLY_ALIKE <= heavier <= _NEARLY_ALIKE)
     same = alike and bool(active.margins) == bool(before.active.margins) and active.rows == before.active.rows
     barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)

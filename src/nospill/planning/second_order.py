@@ -17,10 +17,13 @@ from nospill.planning.tightening import (
     backoff_with_room,
     excess_of_order,
     is_settled,
-    less_jerk_weight,
     lower_crest_backoff,
-    smoother_jerk_weight,
 )
+
+_NEARLY = 1.3
+"""Of what a limit leaves the second order; where motions are smoother already, crests a little lower do for less."""
+_FAR_BELOW = 0.8
+"""Use of a residual limit of second order below which the jerks may weigh less again."""
 
 
 def by_modes(row: Row) -> Row:
@@ -31,33 +34,33 @@ def by_modes(row: Row) -> Row:
     return replace(row, worst_value=row.linear_value, worst_margin=margin, ok=margin >= 0.0, linear_value=None)
 
 
-def smoothed(factor: float, rows: Iterable[Row], backoff: Mapping[RowId, float]) -> float:
-    """Factor on the weights of the jerks for the next problem; the same where every residual height is nearly kept.
+def beyond_crests(rows: Iterable[Row], backoff: Mapping[RowId, float], *, smooth: bool) -> float:
+    """What the second order leaves most too much of, over what the limit leaves it; 0 where lower crests are enough.
+
+    What stirs its modes are quick changes of the waves that drive them: of a smooth motion they follow at once and are
+    gone with them. So smoothness helps more than lower crests do, but for the last of it.
 
     Args:
-        factor: of the last problem.
         rows: as judged, by the names of the members.
         backoff: of every row of the problem.
+        smooth: whether jerks weigh more than usual already.
     """
-    short = [row for row in rows if _falls_short(row)]
-    return max(
-        (smoother_jerk_weight(factor, _over(row, backoff), settled=_settled(row, backoff)) for row in short),
-        default=factor,
-    )
+    found = [(_over(row, backoff), _settled(row, backoff)) for row in rows if _falls_short(row)]
+    return max((over for over, settled in found if settled or over > _NEARLY or not smooth), default=0.0)
 
 
-def rougher(factor: float, rows: Iterable[Row]) -> float:
-    """Factor on the weights of the jerks after a motion that leaves much of its limits; the same where one is near.
-
-    Arguments as of `smoothed`.
-    """
-    return max((less_jerk_weight(factor, *_uses(row)) for row in rows if _is_left(row)), default=factor)
+def taken_by_order(rows: Iterable[Row]) -> float:
+    """Part that the second order takes of what limits on the final state leave it; 1 where nothing is to be changed."""
+    left = [_uses(row) for row in rows if _is_left(row)]
+    if not left or any(second > _FAR_BELOW for _, second in left):
+        return 1.0
+    return max(max(second - linear, 0.0) / (1.0 - linear) for linear, second in left)
 
 
 def with_room(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, float]:
     """Back-off that leaves the second order its part of the limits on the final state.
 
-    That of these rows, and where that is not enough of the crests; arguments as of `smoothed`.
+    That of these rows, and where that is not enough of the crests; arguments as of `beyond_crests`.
     """
     raised = dict(backoff)
     for row in filter(_falls_short, rows):

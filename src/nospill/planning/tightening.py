@@ -35,21 +35,12 @@ limit a motion with a little less budget may be higher all the same."""
 _LEFT, _RELAXED = 2e-3, 0.8
 """Part of a limit that is left free all the same, and part of what is free beyond it that is no longer kept."""
 
-_LEAST_FACTOR, _MOST_WEIGHT = 2.0, 1e4
-"""Factor on the weights of the jerks, at once and in all."""
 _OWN = 0.35
 """Part of a residual limit that the modes get where the second order needs the rest; it costs next to no time."""
-_FAR_BELOW, _LEAST_LIGHTER = 0.8, 0.4
-"""Use of a residual limit of second order below which the jerks weigh less again, and by what at most."""
 _SPARE = 0.1
 """Part by which they may have more and count as having no more than that."""
-_NEARLY = 1.3
-"""Of what a limit leaves the second order; where motions are smoother already, crests a little lower do for less."""
 _MOST_ROOM = 0.85
 """Most back-off that this makes of it."""
-_FALLS, _LEAST_SMOOTHER, _MOST_SMOOTHER = 2.0, 1.4, 300.0
-"""The weights of the jerks rise with this power of what the second order leaves too much of after the end (four cups on
-a tilting tray, 10 mm: 4.7, 3, 1.7, 1.3, 0.1 mm with 1, 10, 100, 300, 1000 times the weights); and by what at once."""
 
 
 def tightened_backoff(backoff: float, excess: float, unused: float, *, at_end: bool) -> float:
@@ -203,43 +194,6 @@ def excess_of_order(linear: float, second: float, *, settled: bool) -> float:
     return max(over, 1.0) if settled else over
 
 
-def smoother_jerk_weight(factor: float, over: float, *, settled: bool) -> float:
-    """Factor on the weights of the jerks with which a residual height of second order keeps its limit.
-
-    What stirs the modes of second order are quick changes of the waves that drive them: of a smooth motion they follow
-    at once and are gone with them. So smoothness helps more than lower crests do, but for the last of it.
-
-    Args:
-        factor: of the last problem.
-        over: as `excess_of_order` has it.
-        settled: as there; then smoothness is all that stills the modes outside the problem too.
-    """
-    if over < 1.0 or (over <= _NEARLY and factor > 1.0 and not settled):
-        return factor
-    return max(factor, min(factor * min(max(over**_FALLS, _LEAST_SMOOTHER), _MOST_SMOOTHER), _MOST_WEIGHT))
-
-
-def less_jerk_weight(factor: float, linear: float, second: float) -> float:
-    """Factor on the weights of the jerks after a certified motion that leaves much of a residual limit.
-
-    Arguments as of `smoother_jerk_weight` and `excess_of_order`.
-    """
-    if second > _FAR_BELOW or factor <= 1.0:
-        return factor
-    part = max(second - linear, 0.0) / (1.0 - linear)
-    return max(factor * max(math.sqrt(part), _LEAST_LIGHTER), 1.0)
-
-
 def lower_crest_backoff(backoff: float, over: float) -> float:
     """Back-off of a slosh height with which what the second order adds is less by that part, as the crest's square."""
     return 1.0 - (1.0 - backoff) / math.sqrt(over) if over > 1.0 else backoff
-
-
-def increased_jerk_weight(factor: float, over: float) -> float:
-    """Factor on the weights of the jerks in the next problem; the same where no row is beyond its back-off.
-
-    Args:
-        factor: of the last problem.
-        over: largest use beyond back-off, as `beyond_backoff` has it; 0 for none.
-    """
-    return min(max(over**2, _LEAST_FACTOR) * factor, _MOST_WEIGHT) if over > 1.0 else factor

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from nospill.certification.wording import describe
 from nospill.errors import MOTION, NoSolutionError, Reason
 from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
+from nospill.planning.smoothness import LATE, LATE_AT_ONCE, RINGING, Smoothness
 from nospill.scene.scene import Scene
 from nospill.scene.tracking import Tracking
 from nospill.scene.variants import VariantId
@@ -26,18 +26,6 @@ from nospill.transcription.margins_along import Margin
 
 _MOST, _MOST_AT_END = 0.8, 0.75
 """Part of a budget that is kept at most."""
-_AIM = 0.985
-"""Use of a height after the end that the weights of the jerks are to lead to."""
-_FALLS, _LEAST_FALL, _MOST_FALL = 0.4, 0.08, 0.8
-"""Power with which that use falls as the weights rise: from the first motion; least and most that two motions show."""
-_ROUGH, _AT_FIRST, _FIRST = 1.5, 4.0, 20.0
-"""Use of the first motion from which they rise before any margins, power of it by which they do, and at most."""
-_LIGHTEST, _HEAVIER, _HEAVIEST = 1.05, 2.0, 1e4
-"""Factor on the weights from round to round: at least, at most, and in all."""
-_LIGHTER, _LIGHTER_RINGING = 1.5, 3.0
-"""By which they fall at most once a motion holds; by which they do where joints ring."""
-_OF_RINGING, _LEAST_RINGING, _MOST_RINGING = 2.0, 1.25, 10.0
-"""Power of the use by which they rise where joints ring, at least and at most: steps of the jerk ring less and less."""
 _BY_MARGINS = 1.1
 """Use over a band of ringing joints up to which margins and back-off alone bring a row back."""
 _RINGS_FAR = 1.4
@@ -46,19 +34,6 @@ _JOINS = 0.9
 """Use over the band from which a row takes part."""
 _MORE, _LEAST, _STEP = 1.0, 5e-4, 0.03
 """Of what a row is over its limit with its margins: part that is added to its back-off, at least, and at most."""
-
-
-@dataclass(frozen=True, slots=True)
-class Smoothness:
-    """What a factor on the weights of the jerks led to.
-
-    Attributes:
-        factor: above 0.
-        use: largest over the band of the rows that it lowers.
-    """
-
-    factor: float
-    use: float
 
 
 def next_margins(
@@ -146,76 +121,38 @@ def _part_of(tracking: Tracking, part: float) -> str:
     return f" ({', '.join(found)})" if found else ""
 
 
-def use_of_smoothness(uses: Mapping[RowId, float], *, rings: bool = False, margins: bool = False) -> float:
-    """The largest use over a band of a row that smoother jerks are to lower: on the final state.
+def smoother(before: Smoothness, uses: Mapping[RowId, float], *, rings: bool, margins: bool) -> Smoothness:
+    """How smooth the next motion is to be, where the last one has rows over the band that only smoothness lowers.
 
-    Where joints ring, of any row: steps of the jerk leave that behind, and smoother jerks do not. Of a row that has
-    margins only what is more than those and back-off take away.
+    Those are rows on the final state; where joints ring any row, but of what has margins only what is more than those
+    and back-off take away.
 
     Args:
-        uses: over the band.
+        before: of the last problem.
+        uses: of its motion over the band.
         rings: whether joints ring.
         margins: whether the problem had margins.
     """
-    least = _BY_MARGINS if margins else 1.0
-    counted = (use for row, use in uses.items() if row.constraint in END_NAMES or (rings and use > least))
-    return max(counted, default=0.0)
-
-
-def heavier(factor: float, use: float, before: Smoothness | None = None) -> float:
-    """Factor on the weights of the jerks for the next problem, by a secant of logarithms; the same where nothing fails.
-
-    Args:
-        factor: of the last problem.
-        use: that its motion has, as `use_of_smoothness` says.
-        before: of the problem before that.
-    """
-    if use <= 1.0:
-        return factor
-    return min(factor * min(max(_ratio(factor, use, before), _LIGHTEST), _HEAVIER), max(_HEAVIEST, factor))
-
-
-def first_heavier(factor: float, use: float) -> float:
-    """The factor before any margins: those of a rough motion are too much, and what smoothness does is known."""
-    return max(factor, min((use / _AIM) ** _AT_FIRST, _FIRST)) if use > _ROUGH else factor
-
-
-def heavier_where_joints_ring(factor: float, use: float, holds_with: float = math.inf) -> float:
-    """The factor for the next problem where joints ring; the same where nothing fails.
-
-    Args:
-        factor: of the last problem.
-        use: that its motion has, as `use_of_smoothness` says.
-        holds_with: factor with which a motion holds: no more than half way to it, in powers.
-    """
-    if use <= 1.0:
-        return factor
-    more = min(min(max(use**_OF_RINGING, _LEAST_RINGING), _MOST_RINGING) * factor, _HEAVIEST)
-    return min(more, math.sqrt(factor * holds_with)) if factor < holds_with else more
-
-
-def lighter(factor: float, use: float, before: Smoothness | None = None, *, rings: bool = False) -> float:
-    """The factor after a motion that holds; arguments as of `heavier`.
-
-    Where joints ring any row may be the one that is near its limit, and nothing says that it is for lighter jerks.
-    """
     if rings:
-        return max(factor / _LIGHTER_RINGING, 1.0)
-    return max(factor * min(max(_ratio(factor, use, before), 1.0 / _LIGHTER), 1.0), 1.0)
+        return before.heavier(RINGING, _largest(uses, above=_BY_MARGINS if margins else 1.0))
+    if margins:
+        return before.heavier(LATE, _largest(uses))
+    return before.heavier(LATE_AT_ONCE, _largest(uses)) if before.tried is None else before
 
 
-def _ratio(factor: float, use: float, before: Smoothness | None) -> float:
-    """Ratio of the weights that is to bring a use to what is aimed at."""
-    falls = _FALLS
-    if before is not None and factor != before.factor:
-        seen = math.log(before.use / max(use, _LEAST)) / math.log(factor / before.factor)
-        falls = min(max(seen, _LEAST_FALL), _MOST_FALL)
-    return (max(use, _LEAST) / _AIM) ** (1.0 / falls)
+def rougher(before: Smoothness, uses: Mapping[RowId, float], *, rings: bool) -> Smoothness:
+    """How smooth the next motion is to be after one that holds; arguments as of `smoother`."""
+    return before.lighter(RINGING, 0.0) if rings else before.lighter(LATE, _largest(uses))
 
 
-def rings_far(band: Band, factor: float) -> bool:
+def _largest(uses: Mapping[RowId, float], above: float = math.inf) -> float:
+    """The largest use of a row on the final state, or of any row if it is above that; 0 for none."""
+    return max((use for row, use in uses.items() if row.constraint in END_NAMES or use > above), default=0.0)
+
+
+def rings_far(band: Band, smoothness: Smoothness) -> bool:
     """Whether rows are so far over their limits that jerks of more weight come first, and may still gain something.
 
     Margins of a motion that steps of the jerk let ring say nothing of one without them.
     """
-    return max(band.use.values(), default=0.0) > _RINGS_FAR and factor < _HEAVIEST
+    return max(band.use.values(), default=0.0) > _RINGS_FAR and smoothness.may_rise

@@ -17,6 +17,7 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, problem_about, solved
 from nospill.planning.log import Log
 from nospill.planning.refinement import REFINE_ITERATIONS, Judged, start_from
+from nospill.planning.smoothness import Smoothness
 from nospill.planning.task import Task
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath
@@ -42,7 +43,7 @@ def restart(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Cand
         same = structure_of(active.scene) == structure_of(last.active.scene)
         if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
             active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
-            active = replace(active, expected=earlier.duration, jerk_weight_factor=last.active.jerk_weight_factor)
+            active = replace(active, expected=earlier.duration, smoothness=last.active.smoothness)
             if (candidate := _solve_again(active, last.stages, log, warm=last)) is not None:
                 return candidate
     return _restart_from(task, earlier, earlier.trajectory, log)
@@ -68,7 +69,7 @@ def _restart_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> Ca
     else:
         active = active.without_far(earlier.certificate.rows)
     active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
-    active = replace(active, expected=earlier.duration, jerk_weight_factor=earlier.report.jerk_weight_factor)
+    active = replace(active, expected=earlier.duration, smoothness=Smoothness(earlier.report.jerk_weight_factor))
     return _solve_again(active, start_from(active, motion, log), log, warm=None)
 
 
