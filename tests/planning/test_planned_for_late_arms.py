@@ -13,7 +13,9 @@ from nospill.planning import refinement
 from nospill.planning.planner import plan
 from nospill.planning.smoothness import AS_STATED, LATE, LATE_AT_ONCE, RINGING, Smoothness
 from nospill.planning.tracking_margins import (
-    next_margins,
+    falling,
+    half_way,
+    margins_over,
     rings_far,
     rougher,
     smoother,
@@ -74,11 +76,16 @@ def _band(**use: float) -> Band:
 
 
 def test_margins_are_what_the_band_adds_and_fall_half_way_at_most() -> None:
-    band, names = _band(slip=1.1, residual_height=0.9), {("c1", ""): "c1"}
-    first = next_margins({}, band, names, 1.0)
-    assert np.allclose(first[RowId("slip", "c1")].kept, band.added[RowId("slip", "c1")])
-    before = {RowId("slip", "c1"): Margin(band.t, np.full(11, 0.3))}
-    assert np.allclose(next_margins(before, band, names, 1.0)[RowId("slip", "c1")].kept, 0.5 * (0.3 + 0.1 * band.t))
+    band, slip, left = _band(slip=1.1, residual_height=0.9), RowId("slip", "c1"), RowId("residual height", "c1")
+    found = margins_over(band, {("c1", ""): "c1"}, 1.0, {left: 0.75})
+    assert np.allclose(found[slip].kept, band.added[slip])
+    assert found[left].kept == pytest.approx(0.92 - 0.75)  # waves need not be gone to the last
+    before = {slip: Margin(band.t, np.full(11, 0.3))}
+    middle = 0.5 * (0.3 + 0.1 * band.t)
+    assert np.allclose(falling(found, before)[slip].kept, middle)
+    assert falling(found, {}) == found
+    assert np.allclose(half_way(found, before)[slip].kept, middle)
+    assert np.allclose(half_way(found, {})[slip].kept, 0.05 * band.t)
 
 
 def test_jerks_weigh_more_only_for_heights_at_the_end() -> None:

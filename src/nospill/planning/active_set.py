@@ -51,8 +51,10 @@ from nospill.planning.tightening import (
     shared_backoff,
 )
 from nospill.planning.tracking_margins import (
+    falling,
+    half_way,
     joining,
-    next_margins,
+    margins_over,
     raised_backoff,
     rings_far,
     rougher,
@@ -224,8 +226,9 @@ class ActiveSet:
             following = following.as_smooth_as(smooth)
             if rings_far(band, self.smoothness):
                 return following
-        margins = next_margins(self.margins, band, names, judgement.end_time)
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names)
+        found = margins_over(band, names, judgement.end_time, backoff)
+        margins = half_way(found, self.margins) if rings else falling(found, self.margins)
         rows = following.rows | (joining(band, names) & following.possible)
         return replace(following, rows=rows, margins=margins, backoff=backoff)
 
@@ -360,7 +363,7 @@ class ActiveSet:
         With the margins that a motion over a band of arms needs, and of crests of second order what it does not.
         """
         if self.margins and judgement.band is not None:
-            margins = next_margins({}, judgement.band, self.names, judgement.end_time)
+            margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff)
             light = rougher(self.smoothness, judgement.band.use, rings=self._rings)
             return replace(self, margins=margins, smoothness=light)
         if self.task.smooth_first:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,8 +25,8 @@ from nospill.scene.tracking import Tracking
 from nospill.scene.variants import VariantId
 from nospill.transcription.margins_along import Margin
 
-_MOST, _MOST_AT_END = 0.8, 0.75
-"""Part of a budget that is kept at most."""
+_MOST, _MOST_AT_END, _MOST_IN_ALL = 0.8, 0.75, 0.92
+"""Part of a budget that is kept at most: along the motion, on its final state, and there with back-off."""
 _BY_MARGINS = 1.1
 """Use over a band of ringing joints up to which margins and back-off alone bring a row back."""
 _RINGS_FAR = 1.4
@@ -36,28 +37,52 @@ _MORE, _LEAST, _STEP = 1.0, 5e-4, 0.03
 """Of what a row is over its limit with its margins: part that is added to its back-off, at least, and at most."""
 
 
-def next_margins(
-    before: Mapping[RowId, Margin], band: Band, names: Mapping[VariantId, str], duration: float
+def margins_over(
+    band: Band, names: Mapping[VariantId, str], duration: float, backoff: Mapping[RowId, float]
 ) -> dict[RowId, Margin]:
-    """Margins of the rows of a problem after a motion was judged; no less than half way from those before.
+    """Margins of the rows of a problem that are what the band adds to those of a judged motion.
 
     Args:
-        before: of the last problem.
         band: as judged.
         names: variant -> what it is called in the problem.
         duration: of the motion, s.
+        backoff: of the rows of the problem. With a margin that leaves a row on the final state next to nothing beside
+            that, waves would have to be gone to the last, for which solves take longest, most of them in vain.
     """
     found: dict[RowId, Margin] = {}
     for row, added in band.added.items():
-        kept = np.minimum(added, _MOST_AT_END if row.constraint in END_NAMES else _MOST)
-        times = np.linspace(band.t[0], band.t[-1], len(kept)) / duration
+        at_end = row.constraint in END_NAMES
+        times = np.linspace(band.t[0], band.t[-1], len(added)) / duration
         for own in _of_members(row, names):
-            last = before.get(own)
-            if last is not None:
-                earlier = last.kept if len(kept) == 1 else np.interp(times, last.share, last.kept)
-                kept = np.maximum(kept, 0.5 * (kept + earlier))
-            found[own] = Margin(times, kept)
+            most = min(_MOST_AT_END, max(_MOST_IN_ALL - backoff.get(own, 0.0), 0.0)) if at_end else _MOST
+            found[own] = Margin(times, np.minimum(added, most))
     return found
+
+
+def falling(margins: Mapping[RowId, Margin], before: Mapping[RowId, Margin]) -> dict[RowId, Margin]:
+    """Margins no less than half way from those before."""
+    middle = half_way(margins, before)
+    return {
+        row: replace(own, kept=np.maximum(own.kept, middle[row].kept)) if row in before else own
+        for row, own in margins.items()
+    }
+
+
+def half_way(margins: Mapping[RowId, Margin], before: Mapping[RowId, Margin]) -> dict[RowId, Margin]:
+    """Margins half way from those before, which are none where a row had none.
+
+    Where joints ring, the next motion jumps less by far than the one that the margins are of, and rings less.
+    """
+    return {
+        row: replace(own, kept=0.5 * (own.kept + _kept_before(own, before.get(row)))) for row, own in margins.items()
+    }
+
+
+def _kept_before(margin: Margin, before: Margin | None) -> np.ndarray:
+    """What was kept at the shares of a margin."""
+    if before is None:
+        return np.zeros(len(margin.kept))
+    return before.kept if len(margin.kept) == 1 else np.interp(margin.share, before.share, before.kept)
 
 
 def _of_members(row: RowId, names: Mapping[VariantId, str]) -> list[RowId]:

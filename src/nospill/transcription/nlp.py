@@ -20,6 +20,7 @@ from nospill.laws.parameters import SceneNumbers, Structure
 from nospill.transcription.block_calls import BlockCalls, Multipliers, hessian_parts, jacobian_parts, row_parts
 from nospill.transcription.clearance_planes import Groups, number_count, variable_count
 from nospill.transcription.clearance_rows import ClearanceRows
+from nospill.transcription.jerk_jumps import JerkJumps
 from nospill.transcription.layout import Layout
 from nospill.transcription.problem_numbers import ProblemNumbers
 from nospill.transcription.stage import Block, RowIndex
@@ -127,7 +128,12 @@ class Transcription:
 
 
 def transcribe(
-    structure: Structure, intervals: int, *, active: IndexedRows | None = None, clearance: Groups = ()
+    structure: Structure,
+    intervals: int,
+    *,
+    active: IndexedRows | None = None,
+    clearance: Groups = (),
+    jumps: bool = False,
 ) -> Transcription:
     """The transcription of a structure.
 
@@ -136,12 +142,15 @@ def transcribe(
         intervals: N.
         active: which rows of the table take part; None for all. The judge looks at all of them in any case.
         clearance: rows of clearance.
+        jumps: whether jumps of the jerk cost something; their weights are the last parameters then.
     """
-    return _transcribe(stage_functions(structure), intervals, active, clearance)
+    return _transcribe(stage_functions(structure), intervals, active, clearance, jumps)
 
 
 @lru_cache(maxsize=32)
-def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | None, clearance: Groups) -> Transcription:
+def _transcribe(
+    stage: StageFunctions, intervals: int, active: IndexedRows | None, clearance: Groups, jumps: bool
+) -> Transcription:
     whole = stage.sizes
     rows, blocks = _active_rows(whole.blocks, active, whole.fixed)
     end_rows, end_blocks = _active_rows(whole.end_blocks, active, 0)
@@ -152,9 +161,11 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
 
     of_motion = intervals * stage.layout.size + stage.layout.states
     w = MX.sym("w", of_motion + variable_count(clearance))
-    p = MX.sym("p", stage.sizes.parameters + number_count(clearance))
+    before = stage.sizes.parameters + number_count(clearance)
+    p = MX.sym("p", before + jumps * stage.layout.chains)
     given = BlockCalls(stage, intervals, w, p)
-    apart = ClearanceRows(clearance, stage.layout, intervals, w, p[stage.sizes.parameters :])
+    apart = ClearanceRows(clearance, stage.layout, intervals, w, p[stage.sizes.parameters : before])
+    of_jumps = JerkJumps(stage.layout, intervals, w, p[before:]) if jumps else None
     gap_rows, row_order = _row_places(stage, rows, end_rows, intervals)
     following = w[_following(stage, intervals)]
 
@@ -162,6 +173,8 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
         return ca.vertcat(stacked, stacked[gap_rows] + following)[row_order]
 
     values, cost = apart.below(gathered(given.constraints())), given.cost()
+    if of_jumps is not None:
+        cost += of_jumps.cost
 
     def derivatives() -> Derivatives:
         of_jacobian, slopes = given.constraint_jacobian()
@@ -174,15 +187,21 @@ def _transcribe(stage: StageFunctions, intervals: int, active: IndexedRows | Non
             ["x", "p"],
             ["g", "jac_g_x"],
         )
-        grad_f = ca.Function("nlp_grad_f", [w, p], list(given.cost_gradient()), ["x", "p"], ["f", "grad_f_x"])
+        costs, gradient = given.cost_gradient()
+        if of_jumps is not None:
+            costs, gradient = costs + of_jumps.cost, gradient + of_jumps.gradient
+        grad_f = ca.Function("nlp_grad_f", [w, p], [costs, gradient], ["x", "p"], ["f", "grad_f_x"])
         multipliers, weight = MX.sym("lam_g", values.numel()), MX.sym("lam_f")
         sparsity, order = _hessian_places(stage, intervals)
         of_table, of_apart = multipliers[: values.numel() - apart.count], multipliers[values.numel() - apart.count :]
         curvature = given.lagrangian_hessian(weight, _for_all_rows(stage, intervals, of_table, rows, end_rows))
+        hessian = apart.hessian_beside(MX(sparsity, curvature[order]), of_apart)
+        if of_jumps is not None:
+            hessian += weight * of_jumps.hessian
         hess_lag = ca.Function(
             "nlp_hess_l",
             [w, p, weight, multipliers],
-            [apart.hessian_beside(MX(sparsity, curvature[order]), of_apart)],
+            [hessian],
             ["x", "p", "lam_f", "lam_g"],
             ["triu_hess_gamma_x_x"],
         )

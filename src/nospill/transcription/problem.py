@@ -26,7 +26,7 @@ from nospill.transcription.nlp import Transcription, transcribe
 from nospill.transcription.problem_numbers import ProblemNumbers
 from nospill.transcription.stage import RowIndex
 from nospill.transcription.stages import Stages
-from nospill.transcription.weights import jerk_weights
+from nospill.transcription.weights import jerk_weights, jump_time, jump_weights
 
 _SHORTEST = 0.05
 """Shortest motion considered, s: keeps the interval away from zero."""
@@ -83,6 +83,7 @@ class Problem:
         rows: row of the structure -> row of the scene, whether it takes part or not.
         backoff: fraction of each budget that is kept from the optimiser.
         planes: of the rows of clearance.
+        jump_weights: (c,) of the jumps of the scaled jerks in the cost; empty where these cost nothing.
         row_lower: (m,) bounds of the constraints: those of the transcription, but for a motion that begins in motion:
             without the rows on its first instant, which nothing can change, and with wider ones right after it.
         row_upper: likewise.
@@ -101,6 +102,7 @@ class Problem:
     rows: Mapping[RowIndex, RowId]
     backoff: Backoff
     planes: Planes
+    jump_weights: np.ndarray
     row_lower: np.ndarray
     row_upper: np.ndarray
 
@@ -112,7 +114,7 @@ class Problem:
         """Parameters with other numbers and back-off."""
         indexed = {index: backoff.get(row, 0.0) for index, row in self.rows.items()}
         of_table = self.transcription.parameters(numbers, self.own, self.scales, indexed)
-        return np.concatenate([of_table, self.planes.parameters(backoff)])
+        return np.concatenate([of_table, self.planes.parameters(backoff), self.jump_weights])
 
     @property
     def places(self) -> tuple[RowPlaces, ...]:
@@ -170,7 +172,7 @@ def build_problem(
         scene: the task.
         intervals: N.
         nominal_duration: expected end time, s, for the scales, and for the weights of the jerks that are not stated.
-        jerk_weight_factor: factor on those weights.
+        jerk_weight_factor: factor on those weights; where joints ring jumps of the jerk weigh more instead.
         backoff: fraction of each budget kept from the optimiser.
         active: which rows take part, on the final state as elsewhere; None for all.
         payload: what the flange carries, where the cargo of the scene is only some of it or several variants of it;
@@ -188,7 +190,9 @@ def build_problem(
     problem_numbers = ProblemNumbers(**jerk_weights(scene, nominal_duration, jerk_weight_factor), self_motion=direction)
     rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}
     taking_part = None if active is None else frozenset(index for index, row in rows.items() if row in active)
-    transcription = transcribe(structure, intervals, active=taking_part, clearance=planes.groups)
+    transcription = transcribe(
+        structure, intervals, active=taking_part, clearance=planes.groups, jumps=jump_time(scene) > 0.0
+    )
     scales = _scales(scene, structure, numbers, transcription.layout, nominal_duration, intervals)
     lower, upper = _bounds(
         scene, structure, transcription.layout, scales, intervals, exact_rest=exact_rest, self_motion=self_motion
@@ -222,10 +226,26 @@ def build_problem(
         rows=rows,
         backoff=backoff,
         planes=planes,
+        jump_weights=_jump_weights(
+            scene, transcription.layout, scales, nominal_duration, intervals, jerk_weight_factor
+        ),
         row_lower=row_lower,
         row_upper=row_upper,
     )
     return replace(problem, parameters=problem.parameters_of(numbers, backoff))
+
+
+def _jump_weights(
+    scene: Scene, layout: Layout, scales: np.ndarray, duration: float, intervals: int, jerk_weight_factor: float
+) -> np.ndarray:
+    """Weights (c,) of the jumps of the scaled jerks; empty where they cost nothing."""
+    if jump_time(scene) == 0.0:
+        return np.zeros(0)
+    named = jump_weights(scene, duration, intervals, jerk_weight_factor)
+    weights = np.array([named["path_jerk_weight"], *[named["tilt_jerk_weight"]] * (layout.chains - 1)])
+    weights[[*layout.freedom.offset_chains]] = named["offset_jerk_weight"]
+    found: np.ndarray = weights / intervals * scales[layout.jerks] ** 2
+    return found
 
 
 def _given_places(scene: Scene, transcription: Transcription) -> tuple[np.ndarray, np.ndarray]:
