@@ -7,7 +7,7 @@ import os
 import shutil
 import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when numpy is loaded; two threads wait for each other here
 
 import pytest
-from filelock import FileLock
+from filelock import FileLock, Timeout
 from hypothesis import settings
 from typer.main import get_command
 from typer.testing import CliRunner, Result
 
 from nospill.cli.reporting import INTERNAL_ERROR
-from tests.hasty import COMPILED, NO_COMPILER, compile_at_first, compile_frequent_functions, hasty_compiler
+from tests.hasty import COMPILED, NO_COMPILER, compile_frequent_functions, compiled_first
 
 if TYPE_CHECKING:  # a file of tests that plans nothing is run without the planner and the judge
     from nospill.certification.verdict import Row
@@ -41,6 +41,30 @@ settings.register_profile("thorough", max_examples=300, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "usual"))
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """In a fresh clone one worker collects first: the others read the bytecode of the tests that it has written.
+
+    To rewrite their assertions takes twice as long as to collect them. Meanwhile another worker compiles what all need.
+    """
+    collected = COMPILED / "collected"
+    if "PYTEST_XDIST_WORKER" not in os.environ or sys.dont_write_bytecode or collected.exists():
+        return (yield)
+    COMPILED.mkdir(parents=True, exist_ok=True, mode=0o700)
+    lock = FileLock(COMPILED / "collection.lock")
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        with pytest.MonkeyPatch.context() as patch:
+            compiled_first(patch)
+        lock.acquire()
+    try:
+        return (yield)
+    finally:
+        lock.release()
+        collected.touch()
+
+
 def pytest_collection_finish() -> None:
     """What was imported and collected stays to the end: the garbage collector need not look at it again and again."""
     gc.collect()
@@ -57,16 +81,9 @@ def hasty() -> Iterator[None]:
     that wants otherwise sets the variables itself (monkeypatch).
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("NOSPILL_COMPILE", "wait")
-        patch.setenv("NOSPILL_THREADS", "1")  # tests run side by side
-        patch.setenv("NOSPILL_CACHE", str(COMPILED))
-        COMPILED.mkdir(parents=True, exist_ok=True, mode=0o700)
-        with FileLock(COMPILED / "compiler.lock"):
-            compiler = hasty_compiler(COMPILED)
-            if compiler is not None:
-                patch.setenv("CC", str(compiler))
-                compile_at_first(COMPILED)
-                compile_frequent_functions(compiler, patch)
+        compiler = compiled_first(patch)
+        if compiler is not None:
+            compile_frequent_functions(compiler, patch)
         patch.setenv("CC", NO_COMPILER)
         yield
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from filelock import FileLock
 
 from nospill.compiled import codegen
 from nospill.compiled.codegen import source_digest
@@ -42,6 +43,24 @@ COMPILED = Path(__file__).parents[1] / ".pytest_cache" / "compiled"
 
 COMPILER = os.environ.get("CC", "cc")
 """As the user has it."""
+
+
+def compiled_first(patch: pytest.MonkeyPatch) -> Path | None:
+    """Have functions compiled hastily and kept in `COMPILED`, and compile those that are needed first.
+
+    Returns:
+        the compiler, which is `CC` then; None where there is none.
+    """
+    patch.setenv("NOSPILL_COMPILE", "wait")
+    patch.setenv("NOSPILL_THREADS", "1")  # tests run side by side
+    patch.setenv("NOSPILL_CACHE", str(COMPILED))
+    COMPILED.mkdir(parents=True, exist_ok=True, mode=0o700)
+    with FileLock(COMPILED / "compiler.lock"):
+        compiler = hasty_compiler(COMPILED)
+        if compiler is not None:
+            patch.setenv("CC", str(compiler))
+            compile_at_first(COMPILED)
+    return compiler
 
 
 def compile_at_first(folder: Path) -> None:
