@@ -35,6 +35,9 @@ OFTEN = ("steps", "newton", "figures-object", "crest")
 Those of problems hold second derivatives and take up to 3 s; the others are as short as these and evaluated less.
 """
 
+HASTY = "-Og -fno-tree-ccp -fno-tree-fre -fno-expensive-optimizations"
+"""Without passes that find nothing in what CasADi has simplified: straight lines of operations."""
+
 NO_COMPILER = "no-compiler-for-what-is-planned-once"
 """What CC names while tests run."""
 
@@ -80,10 +83,10 @@ def compile_at_first(folder: Path) -> None:
     done.touch()
 
 
-def hasty_compiler(folder: Path, *, functions: str = "-Og", solver: str = "-O3") -> Path | None:
+def hasty_compiler(folder: Path, *, functions: str = HASTY, solver: str = "-O3") -> Path | None:
     """A compiler that optimises less, None where there is no compiler.
 
-    -Og takes three quarters of the time of -O1, and its functions take as long; with -O0, which compiles in half of the
+    `HASTY` takes six tenths of the time of -O1, and its functions take as long; with -O0, which compiles in half of the
     time, they take ten times as long, since every operation on four columns goes through memory. The linear solver
     (-O3) is optimised.
 

@@ -80,7 +80,7 @@ def test_the_advice_leads_to_a_plan_that_survives_what_the_arm_is_known_for() ->
         delay = survived(Looked.at(followed), delay_fault(followed))
         return delay, beside(replace(surviving(None), delay=delay), made.scene)
 
-    scene = scene_from_table({**BOTTLE, "planning": {"intervals": 60}}, name="bottle")
+    scene = scene_from_table({**BOTTLE, "planning": {"intervals": 30}}, name="bottle")
     delay, advice = advised(plan(scene))
     assert delay.size is not None
     assert delay.size < 2.8e-3

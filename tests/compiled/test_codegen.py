@@ -137,7 +137,7 @@ def test_machine_code_gives_the_same_values_and_the_same_plan(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:
     structure = structure_of(small)
-    monkeypatch.setenv("CC", str(hasty_compiler(tmp_path_factory.mktemp("compiler"), functions="-O0")))
+    monkeypatch.setenv("CC", str(hasty_compiler(tmp_path_factory.mktemp("compiler"), functions="-O0", solver="-O0")))
     slow = plan(small)
     plain = _functions(structure)
     forget_functions()

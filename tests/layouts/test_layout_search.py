@@ -226,7 +226,7 @@ RACK = [
     [
         {"tolerance": {"friction": "5 %", "liquid_height": "1 mm", "position": "3 mm"}},
         {"controller": {"interface": "ur-servoj", "compensate": True, "lag": "20 ms"}},
-        {"motion": {"end": "residual", "residual_fraction": 0.8, "speed_range": ["80 %", "100 %"]}},
+        {"motion": {"end": "residual", "residual_fraction": 0.8, "speed_range": ["90 %", "100 %"]}},
         {"cargo": RACK, "fidelity": "full"},
     ],
     ids=["tolerance", "controller", "speed range", "carrier"],

@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import binomtest
 from typer.testing import CliRunner
 
 from nospill.certification.certificate import judge, judge_motion
@@ -188,6 +187,8 @@ def test_study_is_the_same_for_the_same_seed_and_reports_progress(smooth_plan: C
 
 @given(st.integers(1, 400), st.floats(0.0, 1.0))
 def test_bounds_are_those_of_the_exact_binomial_interval(samples: int, share: float) -> None:
+    from scipy.stats import binomtest
+
     count = round(share * samples)
     found = probability(np.arange(samples) < count)
     exact = binomtest(count, samples).proportion_ci(0.95, method="exact")

@@ -41,6 +41,13 @@ def canonical(name: str) -> str:
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
+def test_what_few_commands_need_is_loaded_where_it_is_used() -> None:
+    """Each takes as long to load as all else of the commands that can do without."""
+    late = re.compile(r"^(?:from|import) (?:scipy\.stats|matplotlib\.backends\.backend_pdf|fontTools)\b", re.MULTILINE)
+    assert [str(path) for path in SOURCES if late.search(path.read_text(encoding="utf-8"))] == []
+    assert late.search("import scipy.stats\n") and late.search("x\nfrom matplotlib.backends.backend_pdf import Op\n")
+
+
 def test_no_file_is_over_500_lines() -> None:
     assert [label(path) for path in SOURCES + TESTS if len(path.read_text().splitlines()) > 500] == []
 

@@ -56,7 +56,9 @@ def test_the_lines_of_a_cluster_are_those_of_one_process_though_a_worker_dies(
 ) -> None:
     address, workers = started
     axes = {"tray.friction": [0.45, 0.5], "motion.tilt": ["fixed", "free"]}
-    definition = define_sweep(load("matrix-rigid").changed({"planning.intervals": 25}), axes, again_cold=1)
+    whole = load("matrix-rigid")
+    scene = whole.changed({"planning.intervals": 25, "cargo": whole.source["cargo"][:1]})
+    definition = define_sweep(scene, axes, again_cold=1)
 
     def kill_one(report: SweepProgress) -> None:
         if report.done and workers[0].poll() is None:

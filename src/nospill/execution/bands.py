@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit  # scipy.stats takes as long to load as all else of a command
 
 from nospill.certification.verdict import Row, Trace, worst_row
 from nospill.laws.constraints.base import RowId
@@ -13,7 +13,7 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 
 DRAWS = 6
 """Motions drawn from the band of the splines; each is judged."""
-WIDE = float(student.ppf(0.975, DRAWS))
+WIDE = float(stdtrit(DRAWS, 0.975))
 """Standard deviations, known from so many draws, to either side of a band of 95 %."""
 CERTIFIED, NOT_CERTIFIED, OPEN = "certified", "not certified", "cannot be told"
 """Verdicts: every row holds beyond the noise; one is broken beyond noise and smoothing; neither."""
@@ -73,7 +73,7 @@ def outcome(row: Row, bands: Mapping[RowId, float], smoothing: Mapping[RowId, fl
         rows: how many there are.
     """
     band = bands.get(row.id, 0.0)
-    band *= float(student.ppf(1.0 - 0.025 / rows, DRAWS)) / WIDE if band else 1.0
+    band *= float(stdtrit(DRAWS, 1.0 - 0.025 / rows)) / WIDE if band else 1.0
     if row.worst_margin >= band:
         return CERTIFIED
     return NOT_CERTIFIED if row.worst_margin < -band - smoothing.get(row.id, 0.0) else OPEN

@@ -5,10 +5,12 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from matplotlib.backends.backend_pdf import Op, PdfFile, RendererPdf
 from matplotlib.figure import Figure
+
+if TYPE_CHECKING:  # loaded where a PDF is written: a page does without
+    from matplotlib.backends.backend_pdf import PdfFile
 
 PAPER = (8.27, 11.69)
 """in; A4 upright."""
@@ -42,6 +44,8 @@ def pdf_of(sheets: Sequence[Sheet], about: dict[str, Any]) -> bytes:
         sheets: of A4.
         about: metadata, as matplotlib takes it.
     """
+    from matplotlib.backends.backend_pdf import PdfFile
+
     buffer = io.BytesIO()
     file = PdfFile(buffer, metadata=about)
     for sheet in sheets:
@@ -54,6 +58,8 @@ def pdf_of(sheets: Sequence[Sheet], about: dict[str, Any]) -> bytes:
 
 
 def _draw(file: PdfFile, item: Placed) -> None:
+    from matplotlib.backends.backend_pdf import Op, RendererPdf
+
     figure = item.figure
     figure.dpi = _POINTS
     width, height = figure.get_size_inches()

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
 
 from nospill.core.units import as_written, split_unit
 from nospill.errors import ScenarioError
@@ -196,6 +195,8 @@ def latin_hypercube(axes: Sequence[Axis], samples: int, seed: int) -> list[Chang
     _require_few(samples, "samples")
     if not axes:
         raise ScenarioError("samples: there is no axis to draw from")
+    from scipy.stats import qmc  # takes as long to load as all else of a sweep
+
     drawn = qmc.LatinHypercube(len(axes), rng=np.random.default_rng(seed)).random(samples)
     return [_merged(axes, [axis.at(float(at)) for axis, at in zip(axes, row, strict=True)]) for row in drawn]
 

@@ -24,15 +24,15 @@ from __future__ import annotations
 
 import numpy as np
 
+_GENERATORS = np.zeros((3, 9))
+for _row, _column, _axis in ((2, 1, 0), (0, 2, 1), (1, 0, 2)):
+    _GENERATORS[_axis, 3 * _row + _column], _GENERATORS[_axis, 3 * _column + _row] = 1.0, -1.0
+
 
 def skew(vector: np.ndarray) -> np.ndarray:
     """Matrix [a] with [a] b = a x b, (..., 3) -> (..., 3, 3)."""
-    matrix = np.zeros((*np.shape(vector), 3))
-    x, y, z = np.moveaxis(np.asarray(vector, dtype=float), -1, 0)
-    matrix[..., 0, 1], matrix[..., 0, 2] = -z, y
-    matrix[..., 1, 0], matrix[..., 1, 2] = z, -x
-    matrix[..., 2, 0], matrix[..., 2, 1] = -y, x
-    return matrix
+    own = np.asarray(vector, dtype=float)
+    return (own @ _GENERATORS).reshape(*own.shape, 3)
 
 
 def carrying(spin: np.ndarray, spin_rate: np.ndarray) -> np.ndarray:
