@@ -111,7 +111,7 @@ def test_drawn_elastic_joints_use_no_more_than_the_band_says(
     scene, judged = ringing
     followed = Followed.of_run(run_of(motion.trajectory, None), scene, ())
     assert judged.band is not None
-    draws = np.random.default_rng(5).uniform(size=(3, followed.joints))
+    draws = np.random.default_rng(5).uniform(size=(6, followed.joints))
     start, stop = followed.span
     worst: dict = {}
     for natural in [np.full(followed.joints, 6.0), *(6.0 * 3.0**draws)]:

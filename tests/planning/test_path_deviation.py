@@ -49,7 +49,7 @@ def test_every_freedom_makes_the_motion_shorter_or_equal(changed_scene) -> None:
     durations = {}
     for label, changes in {"given": {}, **FREEDOM}.items():
         keys = {**changes, **({"path.yaw": [ends[0], "free", ends[-1]]} if "path.yaw" in changes else {})}
-        keys |= {"planning.intervals": 25, "cargo": source["cargo"][:1]}
+        keys |= {"planning.intervals": 40, "cargo": source["cargo"][:2]}
         found = plan(changed_scene(name, keys))
         assert found.certificate.ok
         durations[label] = found.duration
