@@ -47,6 +47,7 @@ from nospill.planning.warm_start import (
     start_off_path,
     what_is_left,
 )
+from nospill.planning.way_before import along_way_before, of_one_structure
 from nospill.planning.widest_range import range_reached
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
@@ -134,18 +135,13 @@ def _plan(
         if scene.obstacles:
             require_free_ends(scene)
         require_standing_room(scene)
-    open_scene = scene
-    if has_free_path(scene):
-        with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
-            scene = fastest_clear_path(open_scene)
-    diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
-    task = Task.of(scene, ignore)
-    compared = warm is None and scene.motion.duration is None and not task.ignored
-    rest = rest_along(scene, start)
-    left = what_is_left(task, rest, log) if rest is not None and compared else None
-    judged, instead = _first_certified(_offers(task, warm, start, last, left, log), log)
-    if left is not None and judged.trajectory.end_time > _AS_LONG * left.trajectory.end_time:
-        judged, instead = left, REST_INSTEAD
+    open_scene, before = scene, warm if has_free_path(scene) else None
+    judged, instead = None if before is None else along_way_before(scene, before, last, ignore, log), ""
+    if judged is not None:
+        scene = judged.candidate.active.task.scene
+    else:
+        scene, judged, instead = _searched(scene, None if before else warm, last, ignore, start, log)
+    task = judged.candidate.active.task
     require_band(scene, judged.judgement, ended=log.out_of_time)
     reached = range_reached(judged.trajectory, judged.judgement, task)
     report = log.report(
@@ -166,6 +162,30 @@ def _plan(
         planned = with_approach(planned)
     report = replace(report, savings=saved, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))
     return replace(planned, report=report), judged.candidate
+
+
+def _searched(
+    open_scene: Scene,
+    warm: Plan | None,
+    last: Candidate | None,
+    ignore: Collection[str],
+    start: MotionState | None,
+    log: Log,
+) -> tuple[Scene, Judged, str]:
+    """The scene with its way, its motion, and what that stands in the place of; raises what `plan` does."""
+    scene = open_scene
+    if has_free_path(scene):
+        with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
+            scene = fastest_clear_path(open_scene)
+    diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
+    task = Task.of(scene, ignore)
+    compared = warm is None and scene.motion.duration is None and not task.ignored
+    rest = rest_along(scene, start)
+    left = what_is_left(task, rest, log) if rest is not None and compared else None
+    judged, instead = _first_certified(_offers(task, warm, start, last, left, log), log)
+    if left is not None and judged.trajectory.end_time > _AS_LONG * left.trajectory.end_time:
+        judged, instead = left, REST_INSTEAD
+    return scene, judged, instead
 
 
 def _offers(
@@ -325,7 +345,7 @@ class Planner:
     ) -> Plan:
         """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
         scene = requested_scene(scene, self.constraints if constraints is None else constraints)
-        similar = self.last is not None and _alike(self.last.scene, scene)
+        similar = self.last is not None and of_one_structure(self.last.scene, scene)
         planned, self._candidate = _plan(
             scene, warm=self.last if similar else None, last=self._candidate, ignore=(), progress=progress
         )
@@ -348,11 +368,3 @@ class Planner:
         if self._candidate is None:
             raise ScenarioError("nothing was planned before; call plan first")
         return duration_change(self._candidate, requested_scene(scene, self.constraints))
-
-
-def _alike(first: Scene, second: Scene) -> bool:
-    """Whether two scenes are of one structure but for limits given from Python, which add rows alone."""
-    ours, theirs = (
-        structure_of(scene.with_constraints(()) if scene.constraints else scene) for scene in (first, second)
-    )
-    return ours == theirs

@@ -41,7 +41,7 @@ def restart(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Cand
         active = ActiveSet.of(task, q, last.active.members, last.active.refined, last.active.modes)
         same = structure_of(active.scene) == structure_of(last.active.scene)
         if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
-            active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
+            active = cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
             active = replace(active, expected=earlier.duration, jerk_weight_factor=last.active.jerk_weight_factor)
             if (candidate := _solve_again(active, last.stages, log, warm=last)) is not None:
                 return candidate
@@ -67,7 +67,7 @@ def _restart_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> Ca
         active = active.joined(active.members | active.near_members(judgement), refined, judgement)
     else:
         active = active.without_far(earlier.certificate.rows)
-    active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
+    active = cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
     active = replace(active, expected=earlier.duration, jerk_weight_factor=earlier.report.jerk_weight_factor)
     return _solve_again(active, start_from(active, motion, log), log, warm=None)
 
@@ -75,7 +75,7 @@ def _restart_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> Ca
 def going_on(task: Task, rest: Trajectory, log: Log) -> Candidate | None:
     """Solve from what is left of the motion that this one goes on from; None where that does not converge."""
     refined = frozenset(liquid_names(task.scene) if task.scene.planned_modes > 1 else ())
-    active = _cautious(ActiveSet.of(task, rest.joint_position, refined=refined))
+    active = cautious(ActiveSet.of(task, rest.joint_position, refined=refined))
     active = replace(active, expected=rest.end_time)
     return _solve_again(active, start_from(active, rest, log), log, warm=None)
 
@@ -109,12 +109,12 @@ def start_off_path(task: Task, given: Judged, log: Log) -> Candidate | None:
     """Solve from a motion on the path, where the tray may leave it; None where that does not converge."""
     before = given.candidate.active
     active = ActiveSet.of(task, given.trajectory.joint_position, before.members, before.refined)
-    active = _cautious(active.without_far(given.judgement.certificate.rows).with_backoff(before.backoff))
+    active = cautious(active.without_far(given.judgement.certificate.rows).with_backoff(before.backoff))
     active = replace(active, expected=given.trajectory.end_time)
     return _solve_again(active, start_from(active, given.trajectory, log), log, warm=None)
 
 
-def _cautious(active: ActiveSet) -> ActiveSet:
+def cautious(active: ActiveSet) -> ActiveSet:
     """The set with at least the back-off of a restart: one more round of tightening would take longer."""
     known = by_name(active.scene)
     return active.with_backoff({key: known[key.constraint].restart_backoff for key in active.backoff})
