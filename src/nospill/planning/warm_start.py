@@ -14,7 +14,7 @@ from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.candidate import Candidate, problem_about, solved
+from nospill.planning.candidate import Candidate, planes_like, problem_about, solved
 from nospill.planning.log import Log
 from nospill.planning.refinement import REFINE_ITERATIONS, Judged, start_from
 from nospill.planning.task import Task
@@ -42,7 +42,12 @@ def restart(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Cand
         same = structure_of(active.scene) == structure_of(last.active.scene)
         if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
             active = cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
-            active = replace(active, expected=earlier.duration, jerk_weight_factor=last.active.jerk_weight_factor)
+            active = replace(
+                active,
+                everywhere=last.active.everywhere,
+                expected=earlier.duration,
+                jerk_weight_factor=last.active.jerk_weight_factor,
+            )
             if (candidate := _solve_again(active, last.stages, log, warm=last)) is not None:
                 return candidate
     return _restart_from(task, earlier, earlier.trajectory, log)
@@ -123,7 +128,7 @@ def cautious(active: ActiveSet) -> ActiveSet:
 def _solve_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate | None) -> Candidate | None:
     """Solve from a motion of an earlier scene, slowed down if the new one has tighter limits."""
     with log.phase("build", "fine"):
-        problem = problem_about(active, start)
+        problem = problem_about(active, start, warm and planes_like(warm, active))
     broken = is_broken(problem, start)
     if broken:
         start = slow_enough(problem, start)
