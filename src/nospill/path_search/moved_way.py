@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from nospill.errors import NospillError
-from nospill.path_search.candidates import has_free_path, has_found_path, path_table_of, with_path
+from nospill.path_search.candidates import has_found_path, has_free_path, path_table_of, with_path
 from nospill.path_search.level_arm import LEVER, LevelArm
 from nospill.robots.kinematics.newton import Held
 from nospill.robots.kinematics.redundancy import redundant_joint, self_motion

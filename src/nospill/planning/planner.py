@@ -15,7 +15,6 @@ from nospill.compiled.codegen import compiles_afterwards
 from nospill.core.blas_threads import one_blas_thread
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.laws.constraints.base import Constraint
-from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.path_search.branches import require_free_ends
 from nospill.path_search.candidates import has_free_path
@@ -40,6 +39,8 @@ from nospill.planning.search import PassageSearch, Search, find_motion, passage_
 from nospill.planning.task import Task
 from nospill.planning.tracking_margins import require_band
 from nospill.planning.warm_start import (
+    NOT_CERTIFIED,
+    NOT_CONVERGED,
     going_elsewhere,
     going_on,
     restart,
@@ -57,8 +58,6 @@ from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings
 
-_NOT_CONVERGED = "no solve from the motion before converged"
-_NOT_CERTIFIED = "not certified from the motion before"
 _AS_LONG, _SHORT = 1.001, 0.25
 """Ratio to what is left of a motion up to which one that goes on from it counts as no longer; s, of which hardly any
 stop is sooner, and none is looked for from afar."""
@@ -135,12 +134,13 @@ def _plan(
         if scene.obstacles:
             require_free_ends(scene)
         require_standing_room(scene)
-    open_scene, before = scene, warm if has_free_path(scene) else None
-    judged, instead = None if before is None else along_way_before(scene, before, last, ignore, log), ""
-    if judged is not None:
-        scene = judged.candidate.active.task.scene
+    open_scene, instead = scene, ""
+    tried = warm is not None and scene.initial_state is None and has_free_path(scene)
+    judged = along_way_before(scene, warm, last, ignore, log) if warm is not None and tried else None
+    if judged is None:
+        scene, judged, instead = _searched(scene, None if tried else warm, last, ignore, start, log)
     else:
-        scene, judged, instead = _searched(scene, None if before else warm, last, ignore, start, log)
+        scene = judged.candidate.active.task.scene
     task = judged.candidate.active.task
     require_band(scene, judged.judgement, ended=log.out_of_time)
     reached = range_reached(judged.trajectory, judged.judgement, task)
@@ -249,7 +249,7 @@ def _warm(candidate: Candidate | None, log: Log) -> Iterator[Candidate]:
     if candidate is not None:
         yield candidate
     if candidate is None or not log.out_of_time:
-        log.not_warm = _NOT_CONVERGED if candidate is None else _NOT_CERTIFIED
+        log.not_warm = NOT_CONVERGED if candidate is None else NOT_CERTIFIED
 
 
 def _off_path(

@@ -27,6 +27,8 @@ from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import is_broken, slow_enough
 from nospill.transcription.trajectory_start import bent, on_branch
 
+NOT_CONVERGED = "no solve from the motion before converged"
+NOT_CERTIFIED = "not certified from the motion before"
 _WARM: Options = {"kkt_error_globalization": True, "bound_push": 5e-4, "max_iterations": 50, "tolerances": LOOSEST}
 _SLOWED: Options = {**_WARM, "bound_push": 3e-3}
 

@@ -1,4 +1,4 @@
-"""A free path planned from the plan before: along its way, moved to the new ends, instead of another that is searched."""
+"""A free path planned from the plan before: along its way, moved to the new ends."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from nospill import diagnosis
 from nospill.errors import ModelError, NoSolutionError
 from nospill.laws.constraints.base import RowId
+from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.candidates import has_found_path, has_free_path
 from nospill.path_search.moved_way import same_surroundings, way_of
@@ -18,7 +19,7 @@ from nospill.planning.candidate import Candidate, problem_about, solve_lazily
 from nospill.planning.log import Log
 from nospill.planning.refinement import Judged, certify_by_refinement, to_fine_grid
 from nospill.planning.task import Task
-from nospill.planning.warm_start import cautious, restart
+from nospill.planning.warm_start import NOT_CERTIFIED, NOT_CONVERGED, cautious, restart
 from nospill.plans.approach import starts_alike
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
@@ -32,9 +33,10 @@ from nospill.transcription.time_scaling import slow_enough
 from nospill.transcription.trajectory_start import from_trajectory
 
 NO_WAY = "the way before does not lead there"
-NOT_CONVERGED = "no solve from the motion before converged"
-NOT_CERTIFIED = "not certified from the motion before"
 _COARSE_ITERATIONS = 150
+_WORTH_A_SOLVE = 4e-3
+"""Part of its duration that less back-off must save a certified motion for another solve: a loop
+has little from less."""
 
 
 def of_one_structure(first: Scene, second: Scene) -> bool:
@@ -69,7 +71,7 @@ def along_way_before(
             candidate = restart(task, earlier, last, log)
         else:
             candidate = _from_coarse_grid(task, earlier, log)
-        judged = candidate and certify_by_refinement(candidate, log)
+        judged = candidate and certify_by_refinement(candidate, log, worth=_WORTH_A_SOLVE)
     except (ModelError, NoSolutionError, np.linalg.LinAlgError):
         judged = candidate = None
     if judged and (judged.judgement.certificate.ok or log.out_of_time):
@@ -91,8 +93,9 @@ def _from_coarse_grid(task: Task, earlier: Plan, log: Log) -> Candidate | None:
         .with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()})
     )
     active = replace(active, expected=earlier.duration, jerk_weight_factor=earlier.report.jerk_weight_factor)
-    with log.phase("build", "coarse"):
-        start = slow_enough(problem_about(active, start), start)
+    with log.phase("build", "coarse"):  # how slowly does not depend on the planes, which take as long as a solve
+        alone = active.with_rows(row for row in active.rows if row.constraint != Clearance.name)
+        start = slow_enough(problem_about(alone, start), start)
     coarse = solve_lazily(active, start, log, near_optimum(BARRIERS[1], _COARSE_ITERATIONS))
     succeeded = usable(coarse.solution) and coarse.keeps_branch
     log.starts.append(coarse.stages.duration if succeeded else None)
