@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import numpy  # noqa: F401  # the library whose threads are counted
 import pytest
@@ -29,6 +30,17 @@ def test_one_thread_inside_and_as_many_as_before_after_an_error() -> None:
         assert threads() <= {1}
         raise KeyError
     assert threads() == before
+
+
+def test_the_library_that_casadi_brings_has_one_too() -> None:
+    """IPOPT adds its vectors up with it."""
+    casadi = pytest.importorskip("casadi")
+    casadi.load_nlpsol("ipopt")
+    if not any("casadi-tp-openblas" in path.name for path in Path(casadi.__file__).parent.iterdir()):
+        pytest.skip("this CasADi has no OpenBLAS of its own")
+    with one_blas_thread():
+        inside = [library for library in threadpool_info() if library["prefix"] == "libcasadi-tp-openblas"]
+    assert [library["num_threads"] for library in inside] == [1]
 
 
 def test_of_two_callers_the_last_to_leave_puts_the_number_back() -> None:

@@ -69,6 +69,11 @@ class Factor:
         return int(self.info[0])
 
     @property
+    def room(self) -> int:
+        """Numbers that it has room for, the entries and the factor among them."""
+        return len(self._a)
+
+    @property
     def negative(self) -> int:
         """Number of negative eigenvalues."""
         return int(self.info[14])

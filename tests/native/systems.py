@@ -60,6 +60,23 @@ def chain(seed: int, stages: int = 30, variables: int = 9, equalities: int = 5, 
     return matrix
 
 
+def states(stages: int = 20, size: int = 10) -> np.ndarray:
+    """States that each follow from the one before, x[k + 1] = A x[k], with a dense Hessian of every stage."""
+    random = np.random.default_rng(size)
+    primal, rows = stages * size, (stages - 1) * size
+    matrix = np.zeros((primal + rows, primal + rows))
+    jacobian = matrix[primal:, :primal]
+    for stage in range(stages):
+        own = slice(stage * size, (stage + 1) * size)
+        root = random.normal(size=(size, size))
+        matrix[own, own] = root @ root.T + 0.1 * np.eye(size)
+        if stage + 1 < stages:
+            jacobian[own, own] = random.uniform(-0.3, 0.3, (size, size))
+            jacobian[own, (stage + 1) * size : (stage + 2) * size] = np.eye(size)
+    matrix[:primal, primal:] = jacobian.T
+    return matrix
+
+
 def refined(factor: Factor, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Solution after two steps of iterative refinement."""
     x = factor.solve(right)

@@ -15,7 +15,7 @@ from nospill.native import libraries
 from nospill.transcription.solvers import linear_solvers
 from tests.hasty import COMPILER
 from tests.native.ma27 import LA_TOO_SMALL, LIW_TOO_SMALL, SINGULAR, Entries, Factor
-from tests.native.systems import chain, check, factorised_in_growing_room, kkt, of_upper, refined
+from tests.native.systems import chain, check, factorised_in_growing_room, kkt, of_upper, refined, states
 
 pytestmark = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
 
@@ -184,6 +184,17 @@ def test_pairs_that_cancel_spoil_no_digits(library: Path) -> None:
             check(Factor(library, entries), matrix, entries.value)
             checked += 1
     assert checked > 10
+
+
+def test_a_stage_fills_in_the_states_before_it_and_not_their_multipliers(library: Path) -> None:
+    """As Riccati's recursion: of 20 stages with 10 states each a stage is 20 columns with 10 rows below them."""
+    matrix = states(stages=20, size=10)
+    entries = of_upper(matrix)
+    factor = Factor(library, entries)
+    factorised_in_growing_room(factor, entries)
+    check(factor, matrix, entries.value)
+    of_columns = len(entries.value) + 4 * len(matrix)
+    assert factor.room <= of_columns + (20 + 1) * 20 * (20 + 10)
 
 
 def test_too_little_room_is_reported_with_what_is_needed(library: Path) -> None:

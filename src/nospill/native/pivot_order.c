@@ -49,13 +49,14 @@ typedef struct {
     int *visited;          /* of a search: columns in the order in which they were reached */
 } Pairs;
 
-/* Pair a dual row with the free column of the fewest entries, of several the last. */
+/* Pair a dual row with the last free column. Variables are numbered along the motion, so for the equations of a stage this
+   is what they give at its end: with what stands before, its multiplier is free of what comes after. */
 static void pair_at_once(Pairs *p, int row, double least) {
     int best = -1;
     for (int q = p->start[row]; q < p->start[row + 1]; q++) {
         int k = p->sequence[q], c = p->column[k];
         if (p->size[k] < least || p->row_of[c] >= 0) continue;
-        if (best < 0 || p->degree[c] < p->degree[best] || (p->degree[c] == p->degree[best] && c > best)) best = c;
+        best = greater(best, c);
     }
     if (best >= 0) p->row_of[best] = row, p->column_of[row] = best;
 }

@@ -1,42 +1,46 @@
 /* Elimination tree of pivots whose order is given. They are renumbered so that each comes after its descendants, and
-   right before its parent where it can; what they fill in stays the same. */
+   right before its parent where it can; what they fill in stays the same.
+
+   A pivot fills in rows, not other pivots: of a pair it may reach one row alone. The multipliers of a stage's equations
+   stay untouched by the stage after it, whose variables are eliminated before. */
 
 typedef struct {
-    int pivots;
+    int rows, pivots;
     int *node;           /* of each position, -1 for a slack that is eliminated with another row */
     int *wide;           /* rows of each pivot */
     int *parent, *count; /* of the tree; rows below */
-    int *start, *other;  /* earlier neighbours of each pivot, some more than once */
-    int *begin, *below;  /* later pivots in which each fills in, ascending */
+    int *start, *other;  /* earlier pivots that each row has entries in, some more than once */
+    int *begin, *below;  /* later rows that each fills in, ascending */
     int *mark;
 } Tree;
 
-/* Later neighbours of every pivot, by row subtrees: first the parents and how many there are, then the lists. */
+/* Later rows of every pivot, by row subtrees: first the parents and how many there are, then the lists. */
 static void climb(Tree *t, int with_lists) {
     for (int i = 0; i < t->pivots; i++) t->mark[i] = -1;
     if (!with_lists)
         for (int i = 0; i < t->pivots; i++) t->parent[i] = -1, t->count[i] = 0;
-    for (int k = 0; k < t->pivots; k++) {
-        t->mark[k] = k;
-        for (int q = t->start[k]; q < t->start[k + 1]; q++)
-            for (int i = t->other[q]; t->mark[i] != k; i = t->parent[i]) {
-                if (t->parent[i] < 0) t->parent[i] = k;
-                if (with_lists) t->below[t->begin[i]++] = k;
+    for (int r = 0; r < t->rows; r++) {
+        int own = t->node[r];
+        t->mark[own] = r;
+        for (int q = t->start[r]; q < t->start[r + 1]; q++)
+            for (int i = t->other[q]; t->mark[i] != r; i = t->parent[i]) {
+                if (t->parent[i] < 0) t->parent[i] = own;
+                if (with_lists) t->below[t->begin[i]++] = r;
                 t->count[i] += !with_lists;
-                t->mark[i] = k;
+                t->mark[i] = r;
             }
     }
 }
 
-/* Entries between pivots by the later of the two. */
+/* Entries between pivots by the later row. */
 static void neighbours(Tree *t, int entries, const int *row, const int *column, const int *position, int *key, int *lo,
                        int *sequence) {
     for (int k = 0; k < entries; k++) {
-        int a = t->node[position[row[k] - 1]], b = t->node[position[column[k] - 1]];
-        key[k] = a < 0 || b < 0 || a == b ? -1 : greater(a, b), lo[k] = lesser(a, b);
+        int i = position[row[k] - 1], j = position[column[k] - 1], a = t->node[i], b = t->node[j];
+        key[k] = a < 0 || b < 0 || a == b ? -1 : greater(i, j), lo[k] = lesser(a, b);
     }
-    sort_by(entries, key, t->pivots, t->start, sequence);
-    for (int q = 0; q < t->start[t->pivots]; q++) t->other[q] = lo[sequence[q]];
+    sort_by(entries, key, t->rows, t->start, sequence);
+    for (int q = 0; q < t->start[t->rows]; q++) t->other[q] = lo[sequence[q]];
 }
 
 typedef struct {

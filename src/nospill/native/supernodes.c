@@ -43,32 +43,24 @@ static long long lay_out(Structure *s, int n, int *array) {
 
 /* ---- panels ---- */
 
-/* Rows below a pivot. */
-static int rows_below(const Tree *t, int pivot) {
-    int rows = 0;
-    for (int k = t->begin[pivot]; k < t->begin[pivot + 1]; k++) rows += t->wide[t->below[k]];
-    return rows;
-}
-
-/* Whether two pivots are leaves of the tree, without earlier neighbours, that fill in the same pivots: nothing stands
-   between them, and they may be one panel. */
-static int are_alike(const Tree *t, int one, int two) {
-    int count = t->begin[one + 1] - t->begin[one], leaves = t->start[one] == t->start[one + 1];
-    leaves = leaves && t->start[two] == t->start[two + 1];
-    return leaves && count > 0 && count == t->begin[two + 1] - t->begin[two] &&
+/* Whether two pivots are leaves of the tree, without earlier neighbours, that fill in the same rows: nothing stands
+   between them, and they may be one panel. `at`: the first row of each. */
+static int are_alike(const Tree *t, const int *at, int one, int two) {
+    int count = t->count[one], leaves = t->start[at[one]] == t->start[at[two + 1]];
+    return leaves && count > 0 && count == t->count[two] &&
            !memcmp(t->below + t->begin[one], t->below + t->begin[two], (size_t)count * sizeof *t->below);
 }
 
 /* Divide the pivots into panels, the first pivot of each in `first`; below a panel are the rows below its last pivot.
    Returns the number of panels. */
-static int divide_into_panels(const Tree *t, int *first) {
+static int divide_into_panels(const Tree *t, const int *at, int *first) {
     int panels = 0, columns = 0;
     long long held = 0;
     for (int k = 0; k < t->pivots; k++) {
-        long long wide = t->wide[k], all = columns + wide, rows = rows_below(t, k);
+        long long wide = t->wide[k], all = columns + wide, rows = t->count[k];
         long long alone = wide * (wide + 1) / 2 + wide * rows, size = all * (all + 1) / 2 + all * rows;
         int dense = (double)(size - held - alone) < MOST_ZEROS * (double)size;
-        if (k > 0 && ((t->parent[k - 1] == k && dense) || (all <= BLOCK_COLUMNS && are_alike(t, k - 1, k))))
+        if (k > 0 && ((t->parent[k - 1] == k && dense) || (all <= BLOCK_COLUMNS && are_alike(t, at, k - 1, k))))
             columns = (int)all, held += alone;
         else
             first[panels++] = k, columns = (int)wide, held = alone;
@@ -135,6 +127,7 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
     int *own_position = whole, *own_width = whole + rows, *sequence = whole + 2 * rows, *at = whole + 3 * rows;
     int *scratch = whole + 4 * rows, *key = whole + 15 * rows, *lo = key + all, *by = lo + all; /* scratch: 4 rows */
     Tree t = {0,
+              0,
               whole + 8 * rows,
               whole + 9 * rows,
               whole + 10 * rows,
@@ -151,6 +144,7 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
         if (own_width[i] > 0) t.wide[t.pivots - 1] = own_width[i];
         s.columns += own_width[i] >= 0;
     }
+    t.rows = s.columns;
     neighbours(&t, entries, row, column, own_position, key, lo, by);
     climb(&t, 0);
     postorder(&t, child, t.begin, scratch, sequence);
@@ -166,19 +160,19 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
     t.begin[0] = 0;
 
     int *first = sequence, *panel_of = scratch;
-    s.panels = divide_into_panels(&t, first);
     for (int i = 0, from = 0; i < t.pivots; from += t.wide[i++]) at[i] = from; /* first position */
     at[t.pivots] = s.columns;
-    for (int p = 0; p < s.panels; p++) s.rows += rows_below(&t, first[p + 1] - 1);
+    s.panels = divide_into_panels(&t, at, first);
+    for (int p = 0; p < s.panels; p++) s.rows += t.count[first[p + 1] - 1];
     long long factor = 0;
     s.first = scratch + rows, s.list = scratch + 2 * rows, s.panel = scratch + 3 * rows; /* until there is an array */
     s.row = malloc(((size_t)s.rows + 1) * sizeof *s.row);
     if (!s.row) goto done;
     s.first[0] = s.list[0] = s.panel[0] = 0;
     for (int p = 0, next = 0; p < s.panels; p++) {
-        int last = first[p + 1] - 1;
-        for (int k = t.begin[last]; k < t.begin[last + 1]; k++)
-            for (int own = 0; own < t.wide[t.below[k]]; own++) s.row[next++] = at[t.below[k]] + own;
+        int last = first[p + 1] - 1, count = t.count[last];
+        memcpy(s.row + next, t.below + t.begin[last], (size_t)count * sizeof *s.row);
+        next += count;
         s.first[p + 1] = at[first[p + 1]], s.list[p + 1] = next;
         int own = s.first[p + 1] - s.first[p];
         factor += (long long)own * (own + next - s.list[p]);
