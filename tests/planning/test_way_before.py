@@ -50,6 +50,15 @@ def test_where_ends_and_obstacles_stay_the_way_does_too() -> None:
     assert found.report.iterations < before.report.iterations / 2
 
 
+def test_a_goal_a_few_millimetres_away_keeps_multipliers() -> None:
+    planner = ns.Planner()
+    before = planner.plan(towards(0.6))
+    found = planner.plan(towards(0.603))
+    assert found.certificate.ok and found.report.warm
+    assert found.report.iterations < before.report.iterations / 2
+    assert found.duration == pytest.approx(before.duration, rel=0.02)
+
+
 def test_a_goal_far_away_is_searched_for(first: ns.Plan) -> None:
     found = ns.Planner(first).plan(towards(0.6, y=0.75))
     assert found.certificate.ok and not found.report.warm and found.report.not_warm == NO_WAY

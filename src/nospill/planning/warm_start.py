@@ -11,6 +11,7 @@ from nospill.certification.certificate import judge
 from nospill.errors import ModelError
 from nospill.laws.constraints import by_name
 from nospill.laws.constraints.base import RowId, liquid_names
+from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
@@ -21,6 +22,7 @@ from nospill.planning.task import Task
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.tolerances import has_variants
+from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers.options import BARRIERS, LOOSEST, Options, near_optimum
 from nospill.transcription.stages import Stages
@@ -38,21 +40,41 @@ def restart(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Cand
 
     `last` is the candidate that plan was made from: its multipliers are used where it is at hand.
     """
-    q = earlier.trajectory.joint_position
-    if last is not None and not task.ignored:
-        active = ActiveSet.of(task, q, last.active.members, last.active.refined, last.active.modes)
-        same = structure_of(active.scene) == structure_of(last.active.scene)
-        if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
-            active = cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
-            active = replace(
-                active,
-                everywhere=last.active.everywhere,
-                expected=earlier.duration,
-                jerk_weight_factor=last.active.jerk_weight_factor,
-            )
-            if (candidate := _solve_again(active, last.stages, log, warm=last)) is not None:
-                return candidate
+    active = None if last is None else _as_before(task, earlier, last)
+    if last is not None and active is not None:
+        if (candidate := _solve_again(active, last.stages, log, warm=last)) is not None:
+            return candidate
     return _restart_from(task, earlier, earlier.trajectory, log)
+
+
+def restart_nearby(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Candidate | None:
+    """The same along a way that was moved, where the motion breaks no row by much there; else None."""
+    active = None if last is None else _as_before(task, earlier, last)
+    if last is None or active is None:
+        return None
+    start = with_joints_solved(active.scene, last.stages)
+    alone = active.with_rows(row for row in active.rows if row.constraint != Clearance.name)
+    if is_broken(problem_about(alone, start), start):
+        return None
+    return _solve_again(active, start, log, warm=last)
+
+
+def _as_before(task: Task, earlier: Plan, last: Candidate) -> ActiveSet | None:
+    """What was active in the last problem of an earlier plan; None where another problem has another shape."""
+    if task.ignored:
+        return None
+    q = earlier.trajectory.joint_position
+    active = ActiveSet.of(task, q, last.active.members, last.active.refined, last.active.modes)
+    same = structure_of(active.scene) == structure_of(last.active.scene)
+    if not same or fine_intervals(active.scene, earlier.duration) != last.stages.intervals:
+        return None
+    active = cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
+    return replace(
+        active,
+        everywhere=last.active.everywhere,
+        expected=earlier.duration,
+        jerk_weight_factor=last.active.jerk_weight_factor,
+    )
 
 
 def restart_on_branch(task: Task, earlier: Plan, joint_path: JointPath, log: Log) -> Candidate | None:

@@ -19,7 +19,7 @@ from nospill.planning.candidate import Candidate, problem_about, solve_lazily
 from nospill.planning.log import Log
 from nospill.planning.refinement import Judged, certify_by_refinement, to_fine_grid
 from nospill.planning.task import Task
-from nospill.planning.warm_start import NOT_CERTIFIED, NOT_CONVERGED, cautious, restart
+from nospill.planning.warm_start import NOT_CERTIFIED, NOT_CONVERGED, cautious, restart, restart_nearby
 from nospill.plans.approach import starts_alike
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
@@ -70,7 +70,7 @@ def along_way_before(
         if same_surroundings(earlier.scene, scene):
             candidate = restart(task, earlier, last, log)
         else:
-            candidate = _from_coarse_grid(task, earlier, log)
+            candidate = restart_nearby(task, earlier, last, log) or _from_coarse_grid(task, earlier, log)
         judged = candidate and certify_by_refinement(candidate, log, worth=_WORTH_A_SOLVE)
     except (ModelError, NoSolutionError, np.linalg.LinAlgError):
         judged = candidate = None
