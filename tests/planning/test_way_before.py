@@ -47,16 +47,7 @@ def test_where_ends_and_obstacles_stay_the_way_does_too() -> None:
     found = planner.plan(towards(0.6, friction=0.45))
     assert found.certificate.ok and found.report.warm
     assert path_table_of(found.scene) == path_table_of(before.scene)
-    assert found.report.iterations < before.report.iterations / 2
-
-
-def test_a_goal_a_few_millimetres_away_keeps_multipliers() -> None:
-    planner = ns.Planner()
-    before = planner.plan(towards(0.6))
-    found = planner.plan(towards(0.603))
-    assert found.certificate.ok and found.report.warm
-    assert found.report.iterations < before.report.iterations / 2
-    assert found.duration == pytest.approx(before.duration, rel=0.02)
+    assert found.report.starts.tried == 1 and "kinematics" not in found.report.phases
 
 
 def test_a_goal_far_away_is_searched_for(first: ns.Plan) -> None:

@@ -22,12 +22,11 @@ from nospill.planning.task import Task
 from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.tolerances import has_variants
-from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers.options import BARRIERS, LOOSEST, Options, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import is_broken, slow_enough
-from nospill.transcription.trajectory_start import bent, on_branch
+from nospill.transcription.trajectory_start import bent, on_branch, on_moved_path
 
 NOT_CONVERGED = "no solve from the motion before converged"
 NOT_CERTIFIED = "not certified from the motion before"
@@ -52,7 +51,7 @@ def restart_nearby(task: Task, earlier: Plan, last: Candidate | None, log: Log) 
     active = None if last is None else _as_before(task, earlier, last)
     if last is None or active is None:
         return None
-    start = with_joints_solved(active.scene, last.stages)
+    start = on_moved_path(last.stages, earlier.scene, active.scene)
     alone = active.with_rows(row for row in active.rows if row.constraint != Clearance.name)
     if is_broken(problem_about(alone, start), start):
         return None
@@ -65,7 +64,8 @@ def _as_before(task: Task, earlier: Plan, last: Candidate) -> ActiveSet | None:
         return None
     q = earlier.trajectory.joint_position
     active = ActiveSet.of(task, q, last.active.members, last.active.refined, last.active.modes)
-    same = structure_of(active.scene) == structure_of(last.active.scene)
+    ours, theirs = structure_of(active.scene), structure_of(last.active.scene)
+    same = ours == replace(theirs, spans=ours.spans, degree=ours.degree)  # its variables and rows are the same
     if not same or fine_intervals(active.scene, earlier.duration) != last.stages.intervals:
         return None
     active = cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))

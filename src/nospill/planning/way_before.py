@@ -23,14 +23,13 @@ from nospill.planning.warm_start import NOT_CERTIFIED, NOT_CONVERGED, cautious, 
 from nospill.plans.approach import starts_alike
 from nospill.plans.plan import Plan
 from nospill.scene.scene import Scene
-from nospill.transcription.export_samples import with_joints_solved
 from nospill.transcription.resampling import resolving_intervals
 from nospill.transcription.solvers import usable
 from nospill.transcription.solvers.options import BARRIERS, near_optimum
 from nospill.transcription.stages import Stages, node_positions
 from nospill.transcription.starting_motions import COARSE_SWING, COARSEST
 from nospill.transcription.time_scaling import slow_enough
-from nospill.transcription.trajectory_start import from_trajectory
+from nospill.transcription.trajectory_start import from_trajectory, on_moved_path
 
 NO_WAY = "the way before does not lead there"
 _COARSE_ITERATIONS = 150
@@ -111,4 +110,4 @@ def _moved(task: Task, scene: Scene, earlier: Plan) -> Stages:
     fewest = resolving_intervals(scene, trajectory.end_time, COARSE_SWING)
     intervals = max(COARSEST, planning.intervals // 4, fewest)
     before = replace(scene, path=earlier.scene.path)
-    return with_joints_solved(scene, from_trajectory(before, trajectory, intervals))
+    return on_moved_path(from_trajectory(before, trajectory, intervals), before, scene)
