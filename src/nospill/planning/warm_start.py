@@ -40,10 +40,8 @@ def restart(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Cand
     `last` is the candidate that plan was made from: its multipliers are used where it is at hand.
     """
     active = None if last is None else _as_before(task, earlier, last)
-    if last is not None and active is not None:
-        if (candidate := _solve_again(active, last.stages, log, warm=last)) is not None:
-            return candidate
-    return _restart_from(task, earlier, earlier.trajectory, log)
+    candidate = None if last is None or active is None else _solve_again(active, last.stages, log, warm=last)
+    return candidate or _restart_from(task, earlier, earlier.trajectory, log)
 
 
 def restart_nearby(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Candidate | None:
