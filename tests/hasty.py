@@ -16,6 +16,7 @@ import pytest
 
 from nospill.compiled import codegen
 from nospill.compiled.codegen import source_digest
+from nospill.native.libraries import LIBRARIES, file_name
 
 AT_FIRST = re.compile(
     r"linear solver"
@@ -45,7 +46,7 @@ COMPILER = os.environ.get("CC", "cc")
 
 def compile_at_first(folder: Path) -> None:
     """Compile what every worker needs, unless that has been done of this source: one that comes meanwhile goes on."""
-    names = hashlib.sha256(AT_FIRST.pattern.encode()).hexdigest()[:8]
+    names = hashlib.sha256("\0".join([AT_FIRST.pattern, *map(file_name, LIBRARIES)]).encode()).hexdigest()[:8]
     done = folder / f"at-first-{source_digest()[:32]}-{names}"
     if done.exists():
         return

@@ -1,16 +1,6 @@
 /* The dense part of a factorisation: products of columns. What calls them is compiled twice, with and without the fused
    products of vectors that most processors have. */
 
-#if !defined(WITHOUT_FMA) && defined(__x86_64__) && defined(__GNUC__)
-#define WITH_FMA __attribute__((target("avx2,fma")))
-#define HAS_FMA (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-#else
-#define WITH_FMA
-#define HAS_FMA 0
-#endif
-
-#define INLINE static inline __attribute__((always_inline))
-
 typedef double One __attribute__((vector_size(8), aligned(8), may_alias));
 typedef double Two __attribute__((vector_size(16), aligned(8), may_alias));
 typedef double Four __attribute__((vector_size(32), aligned(8), may_alias));

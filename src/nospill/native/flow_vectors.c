@@ -5,15 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#if !defined(WITHOUT_FMA) && defined(__x86_64__) && defined(__GNUC__)
-#define WITH_FMA __attribute__((target("avx2,fma")))
-#define HAS_FMA (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
-#else
-#define WITH_FMA
-#define HAS_FMA 0
-#endif
-#define INLINE static inline __attribute__((always_inline))
-
 enum { ROW = 9, BLOCK = 4 }; /* numbers of the motion at an instant; Fourier orders that are summed at once */
 typedef double four __attribute__((vector_size(32)));
 typedef long long mask __attribute__((vector_size(32)));

@@ -22,9 +22,17 @@ PREBUILT = Path(__file__).with_name("prebuilt")
 """Where a wheel has the compiled libraries."""
 
 _FILES = {
-    "ldl": ("pivot_order.c", "pivot_tree.c", "supernodes.c", "kept_order.c", "dense_update.c", "sparse_ldl.c"),
+    "ldl": (
+        "pivot_order.c",
+        "pivot_tree.c",
+        "supernodes.c",
+        "kept_order.c",
+        "fused_products.c",
+        "dense_update.c",
+        "sparse_ldl.c",
+    ),
     "interpreter": ("interpreter.c",),
-    "flow": ("flow_vectors.c", "polar_flow.c", "polar_steps.c"),
+    "flow": ("fused_products.c", "flow_vectors.c", "polar_flow.c", "polar_steps.c"),
 }
 """The files of each, compiled as one."""
 LIBRARIES = tuple(_FILES)
