@@ -34,13 +34,13 @@ _HIGHER = (0.0, 0.2, 0.4, -0.2)
 
 def has_free_path(scene: Scene) -> bool:
     """Whether the scenario leaves the way to the planner."""
-    table = _path_table(scene)
+    table = path_table_of(scene)
     return table.get("type") == "free" and "way" not in table
 
 
 def has_found_path(scene: Scene) -> bool:
     """Whether the scene goes the way that the planner took in the place of one left open."""
-    table = _path_table(scene)
+    table = path_table_of(scene)
     return table.get("type") == "free" and "way" in table
 
 
@@ -115,7 +115,7 @@ def _arcs(scene: Scene) -> Iterator[PathCandidate]:
     # along each of them an arm of seven joints is searched for its elbow, which takes longer than any random search
     detours = scene.has_surroundings and not scene.motion.via and redundant_joint(scene.robot) is None
     bumps = [*product(_NEARER, _HIGHER)] if detours else [(0.0, 0.0)]
-    table = FreePath.model_validate(_path_table(scene)).placed(scene.robot, scene.tray.tool, base_is_free=False)
+    table = FreePath.model_validate(path_table_of(scene)).placed(scene.robot, scene.tray.tool, base_is_free=False)
     foot, _ = base_pose(scene.robot.urdf)
     ends, reach = scene.path.at([0.0, 1.0])[:, :3], scene.robot.reach or 1.0
     places = np.array([ends[0], *(item.position for item in scene.motion.via), ends[1]]) - foot
@@ -163,11 +163,12 @@ def with_path(
     for key, values in (("way_yaw", yaw), ("way_joints", joints)):
         if values is not None:
             stated[key] = np.round(values, _DIGITS).tolist()
-    read = scene_from_table(scene.source | {"path": _path_table(scene) | stated}, name=scene.name)
+    read = scene_from_table(scene.source | {"path": path_table_of(scene) | stated}, name=scene.name)
     return read.limited_as(scene)
 
 
-def _path_table(scene: Scene) -> dict[str, object]:
+def path_table_of(scene: Scene) -> dict[str, object]:
+    """The `[path]` of a scene's scenario."""
     table = scene.source["path"]
     assert isinstance(table, dict)  # the reader saw to it
     return table

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from nospill.errors import ModelError
 from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory
+from nospill.path_search.moved_way import same_surroundings
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.log import Log
 from nospill.transcription.clearance_planes import Planes, separating
@@ -97,6 +98,19 @@ def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = Non
         planes=planes or separating(active.task.scene, active.rows, q, active.everywhere),
     )
     return with_margins(problem, motion, active.margins) if active.margins else problem
+
+
+def planes_like(before: Candidate, active: ActiveSet) -> Planes | None:
+    """The planes of an earlier motion about the bodies of another scene; None where other rows or intervals have some.
+
+    None as well where something else stands around.
+    """
+    if before.active.everywhere != active.everywhere or not before.problem.planes.pairs:
+        return None
+    if not same_surroundings(before.active.task.scene, active.task.scene):
+        return None
+    q = node_positions(before.active.scene, before.stages)
+    return separating(active.task.scene, active.rows, q, active.everywhere, before.planes)
 
 
 def slack_of(active: ActiveSet, motion: Stages) -> dict[RowId, float]:

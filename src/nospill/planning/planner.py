@@ -15,7 +15,6 @@ from nospill.compiled.codegen import compiles_afterwards
 from nospill.core.blas_threads import one_blas_thread
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.laws.constraints.base import Constraint
-from nospill.laws.scene_parameters import structure_of
 from nospill.path_search.base_yaw import base_yaw_text, choose_base_yaw, has_free_base
 from nospill.path_search.branches import require_free_ends
 from nospill.path_search.candidates import has_free_path
@@ -40,6 +39,8 @@ from nospill.planning.search import PassageSearch, Search, find_motion, passage_
 from nospill.planning.task import Task
 from nospill.planning.tracking_margins import require_band
 from nospill.planning.warm_start import (
+    NOT_CERTIFIED,
+    NOT_CONVERGED,
     going_elsewhere,
     going_on,
     restart,
@@ -47,6 +48,7 @@ from nospill.planning.warm_start import (
     start_off_path,
     what_is_left,
 )
+from nospill.planning.way_before import along_way_before, of_one_structure
 from nospill.planning.widest_range import range_reached
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
@@ -56,8 +58,6 @@ from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
 from nospill.transcription.sensitivity import savings
 
-_NOT_CONVERGED = "no solve from the motion before converged"
-_NOT_CERTIFIED = "not certified from the motion before"
 _AS_LONG, _SHORT = 1.001, 0.25
 """Ratio to what is left of a motion up to which one that goes on from it counts as no longer; s, of which hardly any
 stop is sooner, and none is looked for from afar."""
@@ -134,18 +134,14 @@ def _plan(
         if scene.obstacles:
             require_free_ends(scene)
         require_standing_room(scene)
-    open_scene = scene
-    if has_free_path(scene):
-        with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
-            scene = fastest_clear_path(open_scene)
-    diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
-    task = Task.of(scene, ignore)
-    compared = warm is None and scene.motion.duration is None and not task.ignored
-    rest = rest_along(scene, start)
-    left = what_is_left(task, rest, log) if rest is not None and compared else None
-    judged, instead = _first_certified(_offers(task, warm, start, last, left, log), log)
-    if left is not None and judged.trajectory.end_time > _AS_LONG * left.trajectory.end_time:
-        judged, instead = left, REST_INSTEAD
+    open_scene, instead = scene, ""
+    tried = warm is not None and scene.initial_state is None and has_free_path(scene)
+    judged = along_way_before(scene, warm, last, ignore, log) if warm is not None and tried else None
+    if judged is None:
+        scene, judged, instead = _searched(scene, None if tried else warm, last, ignore, start, log)
+    else:
+        scene = judged.candidate.active.task.scene
+    task = judged.candidate.active.task
     require_band(scene, judged.judgement, ended=log.out_of_time)
     reached = range_reached(judged.trajectory, judged.judgement, task)
     report = log.report(
@@ -166,6 +162,30 @@ def _plan(
         planned = with_approach(planned)
     report = replace(report, savings=saved, plan_time=time.perf_counter() - log.began, phases=dict(log.phases))
     return replace(planned, report=report), judged.candidate
+
+
+def _searched(
+    open_scene: Scene,
+    warm: Plan | None,
+    last: Candidate | None,
+    ignore: Collection[str],
+    start: MotionState | None,
+    log: Log,
+) -> tuple[Scene, Judged, str]:
+    """The scene with its way, its motion, and what that stands in the place of; raises what `plan` does."""
+    scene = open_scene
+    if has_free_path(scene):
+        with log.phase("way"), diagnosis.advised(scene, lambda scene: searcher(Task.of(scene, ignore), log)):
+            scene = fastest_clear_path(open_scene)
+    diagnosis.require_bearable_lean(scene, diagnosis.MOST_LEAN)
+    task = Task.of(scene, ignore)
+    compared = warm is None and scene.motion.duration is None and not task.ignored
+    rest = rest_along(scene, start)
+    left = what_is_left(task, rest, log) if rest is not None and compared else None
+    judged, instead = _first_certified(_offers(task, warm, start, last, left, log), log)
+    if left is not None and judged.trajectory.end_time > _AS_LONG * left.trajectory.end_time:
+        judged, instead = left, REST_INSTEAD
+    return scene, judged, instead
 
 
 def _offers(
@@ -229,7 +249,7 @@ def _warm(candidate: Candidate | None, log: Log) -> Iterator[Candidate]:
     if candidate is not None:
         yield candidate
     if candidate is None or not log.out_of_time:
-        log.not_warm = _NOT_CONVERGED if candidate is None else _NOT_CERTIFIED
+        log.not_warm = NOT_CONVERGED if candidate is None else NOT_CERTIFIED
 
 
 def _off_path(
@@ -325,7 +345,7 @@ class Planner:
     ) -> Plan:
         """`plan(scene)`, warm from the last plan if that was of the same structure; raises the same."""
         scene = requested_scene(scene, self.constraints if constraints is None else constraints)
-        similar = self.last is not None and _alike(self.last.scene, scene)
+        similar = self.last is not None and of_one_structure(self.last.scene, scene)
         planned, self._candidate = _plan(
             scene, warm=self.last if similar else None, last=self._candidate, ignore=(), progress=progress
         )
@@ -348,11 +368,3 @@ class Planner:
         if self._candidate is None:
             raise ScenarioError("nothing was planned before; call plan first")
         return duration_change(self._candidate, requested_scene(scene, self.constraints))
-
-
-def _alike(first: Scene, second: Scene) -> bool:
-    """Whether two scenes are of one structure but for limits given from Python, which add rows alone."""
-    ours, theirs = (
-        structure_of(scene.with_constraints(()) if scene.constraints else scene) for scene in (first, second)
-    )
-    return ours == theirs

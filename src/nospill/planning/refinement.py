@@ -113,16 +113,17 @@ class Judged:
     judgement: Judgement
 
 
-def certify_by_refinement(candidate: Candidate, log: Log) -> Judged:
+def certify_by_refinement(candidate: Candidate, log: Log, *, worth: float = _WORTH_A_SOLVE) -> Judged:
     """Judge everything, solve some, add what is violated, until the certificate holds with a margin for a finer grid.
 
-    A certified motion is solved once more with less back-off where the multipliers say that it is worth that.
+    A certified motion is solved once more with less back-off where the multipliers say that it is worth that: so much
+    of its duration, or more.
 
     Raises:
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
     judged = _by_smoothness(_refine_until_certified(candidate, log), log)
-    return _relaxed(_lightened(judged, log), log)
+    return _relaxed(_lightened(judged, log), log, worth)
 
 
 def _by_smoothness(judged: Judged, log: Log) -> Judged:
@@ -141,14 +142,14 @@ def _by_smoothness(judged: Judged, log: Log) -> Judged:
     return judged
 
 
-def _relaxed(judged: Judged, log: Log) -> Judged:
+def _relaxed(judged: Judged, log: Log, least: float) -> Judged:
     """A certified motion solved once more with less back-off, where that is worth it; the shorter of both."""
     last, end = judged.candidate, judged.trajectory.end_time
     if not judged.judgement.certificate.ok or not last.has_converged or log.out_of_time:
         return judged
     relaxed = last.active.relaxed(judged.judgement)
     by_flow = bool(last.active.task.may_be_driven)
-    worth = _WORTH_WITH_MARGINS if last.active.margins or by_flow else _WORTH_A_SOLVE
+    worth = max(least, _WORTH_WITH_MARGINS if last.active.margins or by_flow else 0.0)
     if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
         with suppress(NoSolutionError):
             again = _tighten(last, relaxed, log)

@@ -11,10 +11,11 @@ from nospill.certification.certificate import judge
 from nospill.errors import ModelError
 from nospill.laws.constraints import by_name
 from nospill.laws.constraints.base import RowId, liquid_names
+from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.candidate import Candidate, problem_about, solved
+from nospill.planning.candidate import Candidate, planes_like, problem_about, solved
 from nospill.planning.log import Log
 from nospill.planning.refinement import REFINE_ITERATIONS, Judged, start_from
 from nospill.planning.smoothness import Smoothness
@@ -26,8 +27,10 @@ from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers.options import BARRIERS, LOOSEST, Options, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import is_broken, slow_enough
-from nospill.transcription.trajectory_start import bent, on_branch
+from nospill.transcription.trajectory_start import bent, on_branch, on_moved_path
 
+NOT_CONVERGED = "no solve from the motion before converged"
+NOT_CERTIFIED = "not certified from the motion before"
 _WARM: Options = {"kkt_error_globalization": True, "bound_push": 5e-4, "max_iterations": 50, "tolerances": LOOSEST}
 _SLOWED: Options = {**_WARM, "bound_push": 3e-3}
 
@@ -37,16 +40,40 @@ def restart(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Cand
 
     `last` is the candidate that plan was made from: its multipliers are used where it is at hand.
     """
+    active = None if last is None else _as_before(task, earlier, last)
+    candidate = None if last is None or active is None else _solve_again(active, last.stages, log, warm=last)
+    return candidate or _restart_from(task, earlier, earlier.trajectory, log)
+
+
+def restart_nearby(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Candidate | None:
+    """The same along a way that was moved, where the motion breaks no row by much there; else None."""
+    active = None if last is None else _as_before(task, earlier, last)
+    if last is None or active is None:
+        return None
+    start = on_moved_path(last.stages, earlier.scene, active.scene)
+    alone = active.with_rows(row for row in active.rows if row.constraint != Clearance.name)
+    if is_broken(problem_about(alone, start), start):
+        return None
+    return _solve_again(active, start, log, warm=last)
+
+
+def _as_before(task: Task, earlier: Plan, last: Candidate) -> ActiveSet | None:
+    """What was active in the last problem of an earlier plan; None where another problem has another shape."""
+    if task.ignored:
+        return None
     q = earlier.trajectory.joint_position
-    if last is not None and not task.ignored:
-        active = ActiveSet.of(task, q, last.active.members, last.active.refined, last.active.modes)
-        same = structure_of(active.scene) == structure_of(last.active.scene)
-        if same and fine_intervals(active.scene, earlier.duration) == last.stages.intervals:
-            active = _cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
-            active = replace(active, expected=earlier.duration, smoothness=last.active.smoothness)
-            if (candidate := _solve_again(active, last.stages, log, warm=last)) is not None:
-                return candidate
-    return _restart_from(task, earlier, earlier.trajectory, log)
+    active = ActiveSet.of(task, q, last.active.members, last.active.refined, last.active.modes)
+    ours, theirs = structure_of(active.scene), structure_of(last.active.scene)
+    same = ours == replace(theirs, spans=ours.spans, degree=ours.degree)  # its variables and rows are the same
+    if not same or fine_intervals(active.scene, earlier.duration) != last.stages.intervals:
+        return None
+    active = cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
+    return replace(
+        active,
+        everywhere=last.active.everywhere,
+        expected=earlier.duration,
+        smoothness=last.active.smoothness,
+    )
 
 
 def restart_on_branch(task: Task, earlier: Plan, joint_path: JointPath, log: Log) -> Candidate | None:
@@ -68,7 +95,7 @@ def _restart_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> Ca
         active = active.joined(active.members | active.near_members(judgement), refined, judgement)
     else:
         active = active.without_far(earlier.certificate.rows)
-    active = _cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
+    active = cautious(active.with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()}))
     active = replace(active, expected=earlier.duration, smoothness=Smoothness(earlier.report.jerk_weight_factor))
     return _solve_again(active, start_from(active, motion, log), log, warm=None)
 
@@ -76,7 +103,7 @@ def _restart_from(task: Task, earlier: Plan, motion: Trajectory, log: Log) -> Ca
 def going_on(task: Task, rest: Trajectory, log: Log) -> Candidate | None:
     """Solve from what is left of the motion that this one goes on from; None where that does not converge."""
     refined = frozenset(liquid_names(task.scene) if task.scene.planned_modes > 1 else ())
-    active = _cautious(ActiveSet.of(task, rest.joint_position, refined=refined))
+    active = cautious(ActiveSet.of(task, rest.joint_position, refined=refined))
     active = replace(active, expected=rest.end_time)
     return _solve_again(active, start_from(active, rest, log), log, warm=None)
 
@@ -110,12 +137,12 @@ def start_off_path(task: Task, given: Judged, log: Log) -> Candidate | None:
     """Solve from a motion on the path, where the tray may leave it; None where that does not converge."""
     before = given.candidate.active
     active = ActiveSet.of(task, given.trajectory.joint_position, before.members, before.refined)
-    active = _cautious(active.without_far(given.judgement.certificate.rows).with_backoff(before.backoff))
+    active = cautious(active.without_far(given.judgement.certificate.rows).with_backoff(before.backoff))
     active = replace(active, expected=given.trajectory.end_time)
     return _solve_again(active, start_from(active, given.trajectory, log), log, warm=None)
 
 
-def _cautious(active: ActiveSet) -> ActiveSet:
+def cautious(active: ActiveSet) -> ActiveSet:
     """The set with at least the back-off of a restart: one more round of tightening would take longer."""
     known = by_name(active.scene)
     return active.with_backoff({key: known[key.constraint].restart_backoff for key in active.backoff})
@@ -124,7 +151,7 @@ def _cautious(active: ActiveSet) -> ActiveSet:
 def _solve_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate | None) -> Candidate | None:
     """Solve from a motion of an earlier scene, slowed down if the new one has tighter limits."""
     with log.phase("build", "fine"):
-        problem = problem_about(active, start)
+        problem = problem_about(active, start, warm and planes_like(warm, active))
     broken = is_broken(problem, start)
     if broken:
         start = slow_enough(problem, start)

@@ -108,6 +108,19 @@ def number_count(groups: Groups) -> int:
     return sum(group.number_count for group in groups)
 
 
+@dataclass(frozen=True, slots=True)
+class NearPlanes:
+    """Planes of a pair, in the intervals in which it is near.
+
+    Attributes:
+        interval: (k,) numbers of them.
+        numbers: (k, NUMBERS) that all points of both bodies share.
+    """
+
+    interval: np.ndarray
+    numbers: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class Planes:
     """The planes along a motion.
@@ -119,6 +132,7 @@ class Planes:
         points: of each group, (rows, POINT_NUMBERS), back-off zero.
         moved: how many of the planes have variables that are free; one more may be fixed.
         values: of the variables of all planes, zero where they were found.
+        pairs: of each pair that takes part the row, and where its planes were found.
     """
 
     groups: Groups
@@ -127,6 +141,7 @@ class Planes:
     points: tuple[np.ndarray, ...]
     moved: int
     values: np.ndarray
+    pairs: tuple[tuple[RowId, NearPlanes], ...] = ()
 
     def bounds(self) -> np.ndarray:
         """Bounds, either way, of the variables of all planes: normals turn by less than a right angle."""
@@ -158,7 +173,11 @@ NO_PLANES = Planes((), (), (), (), 0, np.zeros(0))
 
 
 def separating(
-    scene: Scene, rows: Iterable[RowId], q: np.ndarray, everywhere: Collection[RowId] = frozenset()
+    scene: Scene,
+    rows: Iterable[RowId],
+    q: np.ndarray,
+    everywhere: Collection[RowId] = frozenset(),
+    like: Planes | None = None,
 ) -> Planes:
     """The planes that separate the pairs of some rows of clearance best along a motion, where they are near.
 
@@ -167,6 +186,8 @@ def separating(
         rows: those of clearance count.
         q: (N, n) rad, its joint positions at the nodes of the problem's grid but the last one.
         everywhere: rows whose pairs have planes in all intervals.
+        like: of a motion before in the same surroundings, whose bodies may be other ones: where the pairs are as many,
+            they have the planes that they had there, and those stand where they stood.
     """
     subjects = {row.subject for row in rows if row.constraint == Clearance.name}
     if not subjects:
@@ -176,11 +197,15 @@ def separating(
     # the end of the last interval is no variable: its plane is found at its start
     frames = joint_frames(arm_chain(robot), np.concatenate([(q[:-1] + q[1:]) / 2, q[-1:]]))
     found: dict[Between, list[_Beside]] = {}
-    moved = 0
-    for pair in sorted(taking_part, key=lambda pair: pair.second.shape.kind == "halfspace"):
+    moved, pairs = 0, list[tuple[RowId, NearPlanes]]()
+    taking_part.sort(key=lambda pair: pair.second.shape.kind == "halfspace")
+    known = like if like and [row.subject for row, _ in like.pairs] == [pair.subject for pair in taking_part] else None
+    for index, pair in enumerate(taking_part):
         row = RowId(Clearance.name, pair.subject)
         near = NEAR_ITSELF if pair.of_arm else NEAR
-        plane = _near_planes(pair, frames, np.inf if row in everywhere else near)
+        within = np.inf if row in everywhere else near
+        plane = known.pairs[index][1] if known else _near_planes(pair, frames, within)
+        pairs.append((row, plane))
         still, moving = (
             found.setdefault(Between(arm, robot.joints, robot.tip, inner, outer), [])
             for inner, outer in ((0, 0), (pair.second.joint, pair.first.joint))
@@ -206,7 +231,8 @@ def separating(
         tuple(np.concatenate([item.numbers for item in own]) for own in parts.values()),
         tuple(np.concatenate([np.tile(item.points, (len(item.node), 1)) for item in own]) for own in parts.values()),
         moved,
-        np.zeros(variable_count(groups)),
+        known.values if known else np.zeros(variable_count(groups)),
+        tuple(pairs),
     )
 
 
@@ -245,20 +271,7 @@ class _Beside:
         return replace(self, numbers=numbers)
 
 
-@dataclass(frozen=True, slots=True)
-class _NearPlanes:
-    """Planes of a pair, in the intervals in which it is near.
-
-    Attributes:
-        interval: (k,) numbers of them.
-        numbers: (k, NUMBERS) that all points of both bodies share.
-    """
-
-    interval: np.ndarray
-    numbers: np.ndarray
-
-
-def _near_planes(pair: Pair, frames: JointFrames, within: float) -> _NearPlanes:
+def _near_planes(pair: Pair, frames: JointFrames, within: float) -> NearPlanes:
     near = np.flatnonzero(slack_bounds([pair], frames)[0] < within)
     normals, offsets, gaps = planes(pair, frames, near)
     slack = gaps - pair.limit
@@ -267,10 +280,10 @@ def _near_planes(pair: Pair, frames: JointFrames, within: float) -> _NearPlanes:
     found[:, OFFSET] = offsets
     if pair.second.shape.kind != "halfspace":
         found[:, OFFSET] -= np.maximum(slack, 0.0) / 2  # in the middle of what is left between the two
-    return _NearPlanes(near[slack < within], found[slack < within])
+    return NearPlanes(near[slack < within], found[slack < within])
 
 
-def _of_half_space(pair: Pair, row: RowId, plane: _NearPlanes, number: int, motion: MotionRules) -> _Beside:
+def _of_half_space(pair: Pair, row: RowId, plane: NearPlanes, number: int, motion: MotionRules) -> _Beside:
     """One row for a point at a node: its plane is the surface."""
     inside = plane.interval > 0
     nodes, numbers, ball = plane.interval[inside], plane.numbers[inside], -pair.first.shape.ball

@@ -37,8 +37,8 @@ class Start:
     tilt: tuple[float, float] = (0.0, 0.0)
 
 
-_COARSEST = 25
-_COARSE_SWING = 2.5
+COARSEST = 25
+COARSE_SWING = 2.5
 """Most of a liquid's swing in an interval, rad."""
 
 HIDDEN_AT_START = (SloshHeight.name, Trough.name, PassedPlace.name)
@@ -188,8 +188,8 @@ def motion_along(scene: Scene, joint_path: JointPath, chains: Sequence[np.ndarra
 
 def coarse_start(scene: Scene, joint_path: JointPath, start: Start = USUAL_START) -> Stages:
     """A smooth motion along the path on the coarse grid, on which starts are compared."""
-    fewest = resolving_intervals(scene, estimate_duration(scene, joint_path), _COARSE_SWING)
-    return smooth_start(scene, joint_path, max(_COARSEST, scene.planning.intervals // 4, fewest), start)
+    fewest = resolving_intervals(scene, estimate_duration(scene, joint_path), COARSE_SWING)
+    return smooth_start(scene, joint_path, max(COARSEST, scene.planning.intervals // 4, fewest), start)
 
 
 def _close(states: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:

@@ -18,7 +18,7 @@ from nospill.robots.kinematics.newton import solve_joints
 from nospill.robots.kinematics.redundancy import self_motion
 from nospill.scene.scene import Scene
 from nospill.transcription.collocation import POINTS
-from nospill.transcription.export_samples import tray_samples
+from nospill.transcription.export_samples import tray_samples, with_joints_solved
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import quintic, to_rest
@@ -90,6 +90,35 @@ def on_branch(trajectory: Trajectory, before: Scene, scene: Scene, joint_path: J
     speed = np.gradient(q, trajectory.t, axis=0)
     acceleration = np.gradient(speed, trajectory.t, axis=0)
     return replace(trajectory, joint_position=q, joint_speed=speed, joint_acceleration=acceleration)
+
+
+def on_moved_path(stages: Stages, before: Scene, scene: Scene) -> Stages:
+    """A motion beside a path, from rest to rest, beside the same path with other ends, by its own liquids.
+
+    The tray goes to the other ends by a quintic in time. Progress along a path that the tray may leave is no measure of
+    that: it may change as fast as it can, and what is beside the path makes up for it.
+
+    Args:
+        stages: the motion, of a problem whose tray may leave its path, place and yaw.
+        before: whose path it is beside.
+        scene: of the problem that it is to be a start of.
+    """
+    table, layout = stages.table.copy(), layout_of(structure_of(scene))
+    s, rate, change = table[:, 0], table[:, 1:2], table[:, 2:3]
+    ends = scene.path.at([0.0, 1.0]) - before.path.at([0.0, 1.0])
+    share, slope, bend = (part[:, None] for part in quintic(np.linspace(0.0, 1.0, len(table))))
+    value, first, second = (scene.path.derivative(s, order) - before.path.derivative(s, order) for order in range(3))
+    moved = (
+        ends[0] + share * (ends[1] - ends[0]) - value,
+        slope / stages.duration * (ends[1] - ends[0]) - first * rate,
+        bend / stages.duration**2 * (ends[1] - ends[0]) - second * rate**2 - first * change,
+    )
+    freedom = layout.freedom
+    for chain, column in zip((*freedom.offset_chains, *freedom.turn_chains), range(4), strict=False):
+        for order, part in enumerate(moved):
+            table[:, 3 * chain + order] += part[:, column]
+        table[:-1, layout.jerks.start + chain] = np.diff(table[:, 3 * chain + 2]) / stages.interval
+    return with_joints_solved(scene, replace(stages, table=table))
 
 
 def bent(rest: Trajectory, scene: Scene, *, afterwards: bool = False) -> Trajectory:

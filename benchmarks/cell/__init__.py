@@ -1,0 +1,1 @@
+"""Plans of a loop in a cell: moved goals and a moved obstacle, from the motion before."""
