@@ -18,6 +18,7 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, problem_about, solve_lazily
 from nospill.planning.log import Log
 from nospill.planning.refinement import Judged, certify_by_refinement, to_fine_grid
+from nospill.planning.smoothness import Smoothness
 from nospill.planning.task import Task
 from nospill.planning.warm_start import NOT_CERTIFIED, NOT_CONVERGED, cautious, restart, restart_nearby
 from nospill.plans.approach import starts_alike
@@ -91,7 +92,7 @@ def _from_coarse_grid(task: Task, earlier: Plan, log: Log) -> Candidate | None:
         .without_far(earlier.certificate.rows)
         .with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()})
     )
-    active = replace(active, expected=earlier.duration, jerk_weight_factor=earlier.report.jerk_weight_factor)
+    active = replace(active, expected=earlier.duration, smoothness=Smoothness(earlier.report.jerk_weight_factor))
     with log.phase("build", "coarse"):  # how slowly does not depend on the planes, which take as long as a solve
         alone = active.with_rows(row for row in active.rows if row.constraint != Clearance.name)
         start = slow_enough(problem_about(alone, start), start)
