@@ -63,12 +63,12 @@ def test_what_begins_in_a_state_goes_on_as_it_did(cargo: Cargo) -> None:
     t = _STEP * np.arange(_COUNT + 1)
     q, qd = np.sin(25 * t)[:, None] * swing, 25 * np.cos(25 * t)[:, None] * swing
     whole = second_order_states(liquid, rows, q, qd, _STEP)
-    half = _COUNT // 2
+    half = _COUNT // 2 + 1  # between two of the instants at which the whole is integrated
     rest = second_order_states(liquid, rows[:, half:], q[half:], qd[half:], _STEP, whole[half])
     largest = np.max(np.abs(whole), axis=(0, 2))
     assert np.all(largest > 1e-5)
     for order in (0, 1):
-        np.testing.assert_allclose(rest[:, order], whole[half:, order], atol=0.01 * largest[order])
+        np.testing.assert_allclose(rest[:, order], whole[half:, order], atol=2e-4 * largest[order])
 
 
 @pytest.mark.parametrize("liquid", [cup(), tub()], ids=["cup", "box"])
