@@ -2,6 +2,7 @@
 
 Every limit is judged while the arm stands after the end too: liquids may swing on. Of the stop itself every row has to
 leave what a finer grid may find, as rows of a plan do: a verdict on the whole motion from rest has another grid.
+What breaks one of the limits themselves is not looked at further: distances between bodies are left out.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.certificate import Judgement, judge_first, judge_motion
 from nospill.certification.tracks import judged_tracks
 from nospill.certification.verdict import Row, Trace, worst_row
 from nospill.errors import ModelError
@@ -32,7 +33,7 @@ class Verdict:
     """What is found of a stop.
 
     Attributes:
-        record: of the stop, with the liquids that the judge finds.
+        record: of the stop, where every row holds with the liquids that the judge finds.
         judgement: from its first instant on, on its own clock; its replay begins with what was judged.
         at_splice: use of the limits that plan and stop together break where the stop takes over.
         stays: whether objects stay by the whole physics, where every row holds.
@@ -66,17 +67,23 @@ def judged_stop(record: Trajectory, scene: Scene, splice: Splice | None) -> Verd
     if splice is not None:
         joined, motion = splice.joined(record)
         scene, wait = splice.scene, splice.wait
+    early = wait + _OVERSHOOTS / record.rate if splice is not None else 0.0
     try:
-        whole = judge_motion(joined, scene, motion=motion)
+        first = judge_first(joined, scene, motion=motion)
+        if not (found := Verdict(record, _since(first, wait), _at_splice(first, early), stays=False)).ok:
+            return found
+        whole = judge_motion(joined, scene, motion=motion, first=first)
     except (ModelError, np.linalg.LinAlgError):
         return None
     tracks = judged_tracks(joined, scene, whole.replay, whole.traces)
-    judgement = whole if splice is None else _since(whole, wait)
-    early = wait + _OVERSHOOTS / record.rate if splice is not None else 0.0
-    at_splice = {row.id: row.use for row in whole.certificate.rows if not row.ok and row.at_s < early}
-    kept = whole.certificate.ok and stays(joined, scene, motion=motion, since=wait)
     slosh = rest_of(replace(joined, slosh=tracks), wait).slosh
-    return Verdict(replace(record, slosh=slosh), judgement, at_splice, kept)
+    kept = whole.certificate.ok and stays(joined, scene, motion=motion, since=wait)
+    return Verdict(replace(record, slosh=slosh), _since(whole, wait), _at_splice(whole, early), kept)
+
+
+def _at_splice(judgement: Judgement, early: float) -> dict[RowId, float]:
+    """Use of the limits that are broken before a time, s."""
+    return {row.id: row.use for row in judgement.certificate.rows if not row.ok and row.at_s < early}
 
 
 def _since(judgement: Judgement, wait: float) -> Judgement:
