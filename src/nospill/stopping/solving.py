@@ -2,7 +2,8 @@
 
 Each is solved on a coarse grid from the one before it, 20 ms earlier; its exported samples are judged as any motion. A
 row that the judge rejects gets more back-off, as much as it was over, a few times over. From afar a stop is looked for
-from smooth motions to rest of several durations: liquids have an optimum in each of their swings.
+from what is left of the plan, which keeps every limit; where that leads nowhere from smooth motions to rest of several
+durations: liquids have an optimum in each of their swings.
 
 A stop is in a hurry: weights that a scenario states for the smoothness of its motion are left out, under which stops of
 `matrix-liquid` took half as long again. Its liquids need not be calm, they may swing on below `max_slosh_height`; so
@@ -44,6 +45,7 @@ from nospill.transcription.solvers.options import SolveOptions, Tolerances
 from nospill.transcription.solvers.solution import Solution
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import motion_to_rest
+from nospill.transcription.trajectory_start import from_trajectory
 
 _PARTS = (0.5, 1.0, 0.3)
 """Of what is left of the plan: durations of the smooth motions from which a stop is looked for from afar."""
@@ -57,6 +59,8 @@ _BACKOFF_KEPT = 0.8
 """Part of the back-off beyond the first one with which the stop from the next instant begins: all of it never fell."""
 _TOLERANCES = Tolerances(stationarity=1e-3, violation=1e-5, complementarity=5e-6, linear_system=1e-6, refinements=0)
 """Every answer is judged, and tightened where need be: the last iterations shorten it by parts in 10,000."""
+_SMOOTH, _REST, _WARM = (1e-2, 1e-3), (1e-4, 1e-4), (None, 5e-4)
+"""First barrier, and how far from its bounds a motion is moved: the rest of a plan keeps them, smooth ones do not."""
 _WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 80, 150, 30.0
 _SAME = 1e-3
 """Ratio of two durations, less 1, up to which the motions count as the same."""
@@ -197,20 +201,22 @@ def _from_smooth_motions(
 ) -> Found | None:
     """The first certified stop whose objects stay, by problems of some fidelity; where none is the last certified one.
 
-    Where two smooth motions lead to the same one before anything is tightened, the second one is left out: what follows
-    from it would be the same.
+    First from what is left of the plan: where that converges and no stop follows, none is looked for further. Where two
+    motions lead to the same one before anything is tightened, the second one is left out: the same would follow.
     """
     task, known, last = Task.of(replace(scene, fidelity=fidelity)), list[float](), None
-    for start in _from_afar(task, state, joint_path, left):
+    for start, begin in _from_afar(task, state, joint_path, left, of_plan=splice is not None):
         active = _first(task, state)
-        first = _solved(active, start, None)
+        first = _solved(active, start, None, begin)
         duration = first.stages.duration
-        if not first.converged or duration > most or any(abs(duration / other - 1.0) < _SAME for other in known):
+        if not first.converged or any(abs(duration / other - 1.0) < _SAME for other in known):
             continue
         known.append(duration)
         found = _certified(scene, state, active, first, most, splice)
         if found is not None and found.stays:
             return found
+        if found is None and begin is _REST:
+            return None
         last = found or last
     return last
 
@@ -241,10 +247,15 @@ def joint_path_of(plan: Plan) -> JointPath:
     return path_through(paths, 0.0, plan.trajectory.joint_position[0])
 
 
-def _from_afar(task: Task, state: MotionState, joint_path: JointPath, left: float) -> Iterator[Stages]:
+def _from_afar(
+    task: Task, state: MotionState, joint_path: JointPath, left: float, *, of_plan: bool
+) -> Iterator[tuple[Stages, tuple[float, float]]]:
+    """Motions from which a stop is looked for, with `_REST` or `_SMOOTH`; of a plan what is left of it first."""
     model = _first(task, state).scene
+    if of_plan:
+        yield from_trajectory(model, state.rest, STOP_INTERVALS), _REST
     for part in _PARTS:
-        yield motion_to_rest(model, state.arm, joint_path, STOP_INTERVALS, part * left)
+        yield motion_to_rest(model, state.arm, joint_path, STOP_INTERVALS, part * left), _SMOOTH
 
 
 def _first(task: Task, state: MotionState) -> ActiveSet:
@@ -256,15 +267,17 @@ def _first(task: Task, state: MotionState) -> ActiveSet:
     return active.with_backoff(sums)
 
 
-def _solved(active: ActiveSet, start: Stages, warm: Solution | None) -> Solution:
+def _solved(
+    active: ActiveSet, start: Stages, warm: Solution | None, begin: tuple[float | None, float] = _WARM
+) -> Solution:
     """The answer from a motion, with the multipliers of another problem where there is one."""
     options = SolveOptions(
         max_iterations=_COLD_ITERATIONS if warm is None else _WARM_ITERATIONS,
         max_time=_MOST_TIME,
         tolerances=_TOLERANCES,
         kkt_error_globalization=warm is not None,
-        barrier_start=None if warm is not None else 1e-2,
-        bound_push=5e-4 if warm is not None else 1e-3,
+        barrier_start=begin[0],
+        bound_push=begin[1],
     )
     expecting = replace(active, expected=max(start.duration, 0.1))
     return solve(problem_about(expecting, start), start, options=options, warm=warm)
