@@ -24,9 +24,11 @@ AT, SLOWING = 1.2, 0.2
 HEIGHT, SLIP = RowId("slosh height", "c1"), RowId("slip", "c1")
 
 
-@pytest.fixture(scope="module")
-def plan(gentle_plan: Callable[[str, int], Plan]) -> Plan:
-    return gentle_plan("matrix-liquid-soft-end", 1)
+@pytest.fixture(scope="module", params=["deliverable", "full"])
+def plan(request: pytest.FixtureRequest, gentle_plan: Callable[[str, int], Plan]) -> Plan:
+    """With heights as published and to the second order."""
+    made = gentle_plan("matrix-liquid-soft-end", 1)
+    return replace(made, scene=replace(made.scene, fidelity=request.param))
 
 
 @pytest.fixture(scope="module")

@@ -24,8 +24,8 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.sloshing.modes import Oscillator
 
-_STEP_ANGLE = 0.12
-"""Largest step, rad of the fastest mode: 0.1 % of what drives it is lost."""
+_STEP_ANGLE = 0.04
+"""Largest step, rad of the fastest mode: 0.01 % of what drives it is lost, and little of what jerks do within one."""
 _STANDS_STILL = 1e-9
 """rad/s; a mode this slow is not told from one without stiffness."""
 _ROUNDING = 1e-9
