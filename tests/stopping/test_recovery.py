@@ -13,7 +13,7 @@ from nospill.errors import ScenarioError
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState
 from nospill.scene.swing import Swing
-from nospill.stopping import solving
+from nospill.stopping import verdicts
 
 AT = 2.4
 """s; in the midst of the motion."""
@@ -73,12 +73,12 @@ def test_a_liquid_that_cannot_be_stilled_on_what_is_left_of_the_path_swings_on(p
 
 def test_a_stop_in_which_an_object_moves_says_so(plan: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where none is found in which it stays, which is looked for first."""
-    monkeypatch.setattr(solving, "stays", lambda *_: False)
+    monkeypatch.setattr(verdicts, "stays", lambda *_, **__: False)
     found = ns.recover(plan, plan.state_at(AT))
     assert found.moves and found.certificate.ok
     assert found.text == "certified; by the whole physics an object moves"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solving, "stays", lambda *_: True)
+        patch.setattr(verdicts, "stays", lambda *_, **__: True)
         assert not ns.recover(plan, plan.state_at(AT)).moves
 
 

@@ -12,8 +12,9 @@ from nospill.motion.interpolation import QUINTIC_SPLINE
 from nospill.plans.plan import Plan
 from nospill.plans.stops import Stop, stopped
 from nospill.stopping.controller import judged_to_rest
-from nospill.stopping.solving import joint_path_of, stop_from, stopping_scene
-from nospill.stopping.splices import Splice, states_with_leads
+from nospill.stopping.solving import joint_path_of, splice_at, stop_from, stopping_scene
+from nospill.stopping.splices import states_with_leads
+from nospill.stopping.verdicts import judged_stop, swinging_on
 
 AT = 0.12
 """s; the motion has hardly begun, a stop takes a twentieth of a second, and friction is used up."""
@@ -49,15 +50,17 @@ def test_a_stop_begins_with_so_little_jerk_that_the_whole_motion_is_certified(tm
     (tmp_path / "can.toml").write_text(CAN)
     plan = ns.plan(ns.load(tmp_path / "can.toml"))
     (state,), (lead,) = states_with_leads(plan, np.array([AT]))
-    splice = Splice(plan.trajectory, AT, lead, stopping_scene(plan.scene, lead))
-    joint_path = joint_path_of(plan)
+    joint_path, scene = joint_path_of(plan), swinging_on(stopping_scene(plan.scene, state))
     alone, _ = stop_from(plan, state, joint_path, None)
     together, _ = stop_from(plan, state, joint_path, None, lead=lead)
     assert alone.is_sooner and together.is_sooner and together.duration < 1.05 * alone.duration
-    (broken,) = splice.broken(alone.trajectory).items()
-    assert broken[0] == ("slip", "can") and broken[1] > 1.002
-    assert _slip_from_rest(plan, alone) == pytest.approx(broken[1], abs=1e-3)  # from rest, no state is known
-    assert not splice.broken(together.trajectory) and _slip_from_rest(plan, together) <= 1.0
+    splice = splice_at(plan, state, lead)
+    broken, held = (judged_stop(stop.trajectory, scene, splice) for stop in (alone, together))
+    assert broken is not None and held is not None and not broken.ok and held.ok
+    (over,) = broken.at_splice.items()
+    assert over[0] == ("slip", "can") and over[1] > 1.002
+    assert _slip_from_rest(plan, alone) == pytest.approx(over[1], abs=1e-5)  # from rest, no state is known
+    assert _slip_from_rest(plan, together) <= 1.0
 
 
 def _slip_from_rest(plan: Plan, stop: Stop) -> float:

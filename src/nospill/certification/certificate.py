@@ -139,14 +139,20 @@ def judge_motion(
     *,
     motion: JointMotion | None = None,
     rate: float = MINIMUM_RATE,
+    first: Judgement | None = None,
 ) -> Judgement:
-    """`judge` whatever liquids the record has: a motion under planning carries those of its problem."""
+    """`judge` whatever liquids the record has: a motion under planning carries those of its problem.
+
+    With what `judge_first` has found of it already, at the usual rate, the rest is added.
+    """
     require_rate(rate)
     require_motion(trajectory, scene.robot)
     held = held_trajectory(trajectory, scene.motion)
     run = run_of(held, scene.controller, motion)
     alone = run.record is held
-    judged = _judge(run.record, scene, motion=run.motion, rate=rate, points=EVERYWHERE if alone else _OF_JOINTS)
+    points = EVERYWHERE if alone else _OF_JOINTS
+    first = first or _limits(run.record, scene, motion=run.motion, rate=rate, points=points)
+    judged = _with_distances(first, scene)
     require_converged(judged.replay.slosh_error)
     controls = () if alone else constraint_traces(held, scene, judged.replay, points=[EvaluationPoint.CONTROL])
     of_command = [] if run.command is None else command_traces(scene, run.command)
@@ -172,6 +178,19 @@ def judge_motion(
         planned_rows=() if band is None else (*planned, *map(worst_row, of_record)),
         fullest=fullest([*judged.fullest.values(), *controls, *of_command, *of_record]),
     )
+
+
+@one_blas_thread()
+def judge_first(trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None) -> Judgement:
+    """The first part of `judge_motion`, two thirds to four fifths of its time: what is broken here is broken there.
+
+    The limits; without distances between bodies and checks of the record. `judge_motion` goes on from it.
+    """
+    held = held_trajectory(trajectory, scene.motion)
+    run = run_of(held, scene.controller, motion)
+    points = EVERYWHERE if run.record is held else _OF_JOINTS
+    found = _limits(run.record, scene, motion=run.motion, rate=MINIMUM_RATE, points=points)
+    return replace(found, end_time=trajectory.end_time)
 
 
 def certify_joints(
@@ -220,7 +239,8 @@ def judge_joints(
         motion: what they do between and outside of the samples.
         rate: Hz, the least rate of the grid.
     """
-    return _judge(trajectory, of_joints_alone(scene), motion=motion, rate=rate, points=_OF_JOINTS)
+    alone = of_joints_alone(scene)
+    return _with_distances(_limits(trajectory, alone, motion=motion, rate=rate, points=_OF_JOINTS), alone)
 
 
 def judge_command(
@@ -247,7 +267,7 @@ def judge_command(
     return replace(judgement, certificate=replace(judgement.certificate, ok=ok, rows=rows))
 
 
-def _judge(
+def _limits(
     held: Trajectory,
     scene: Scene,
     *,
@@ -255,7 +275,7 @@ def _judge(
     rate: float,
     points: Collection[EvaluationPoint],
 ) -> Judgement:
-    """The rows of the constraints, with their evidence."""
+    """The rows of the constraints but for distances, with their evidence."""
     motion = motion or held.motion
     played = replay(held, scene, motion=motion, rate=rate)
     traces = constraint_traces(held, scene, played, points=points)
@@ -270,19 +290,28 @@ def _judge(
         if len(trace.t) > 1:
             use = np.interp(played.t, trace.t, trace.use)
             corner_use[trace.id] = np.maximum(corner_use.get(trace.id, use), use)
-    joints = (played.joint_position, played.joint_speed, played.joint_acceleration)
-    distances = clearance_rows(scene, played.t, *joints)
-    rows = [*map(worst_row, worst.values()), *distances]
-    near = [row for row in distances if row.use >= _NEAR and row.subject != OTHERS]
-    traces = (*traces, *clearance_traces(scene, played.t, played.joint_position, near))
-    published = scene.fidelity == "deliverable"
+    rows = tuple(map(worst_row, worst.values()))
     verdict = Certificate(
         ok=all(row.ok for row in rows) and not scene.unjudged,
         grid_hz=played.rate,
-        rows=tuple(rows),
-        published=published,
+        rows=rows,
+        published=scene.fidelity == "deliverable",
         modes=scene.fewer_modes,
         unjudged=scene.unjudged,
         self_collision=self_collision(scene),
     )
     return Judgement(verdict, traces, played, held.end_time, tuple(corners), corner_use, worst)
+
+
+def _with_distances(judged: Judgement, scene: Scene) -> Judgement:
+    """The same with the rows on distances between bodies, and the traces of those that come near."""
+    played, verdict = judged.replay, judged.certificate
+    joints = (played.joint_position, played.joint_speed, played.joint_acceleration)
+    distances = clearance_rows(scene, played.t, *joints)
+    near = [row for row in distances if row.use >= _NEAR and row.subject != OTHERS]
+    ok = verdict.ok and all(row.ok for row in distances)
+    return replace(
+        judged,
+        certificate=replace(verdict, ok=ok, rows=(*verdict.rows, *distances)),
+        traces=(*judged.traces, *clearance_traces(scene, played.t, played.joint_position, near)),
+    )

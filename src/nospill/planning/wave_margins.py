@@ -59,7 +59,7 @@ def margins_of_waves(
         part = np.minimum((trace.t - trace.t[0]) / judgement.end_time * _SHARES, _SHARES).astype(int)
         scale = _calmer(trace)
         first = _greatest(part, scale**2 * _added(trace))
-        more = _greatest(part, np.maximum(trace.use - 1.0, 0.0))
+        more = _greatest(part, np.maximum(_excess(trace), 0.0))
         more = np.where(more > 0.0, np.minimum(_STRONGER * more, _MOST_STEP) + _MORE, 0.0)
         around = np.pad(more, _AROUND)
         more = np.max([around[shift : shift + len(more)] for shift in range(2 * _AROUND + 1)], axis=0)
@@ -85,7 +85,7 @@ def _binding(backoff: float, margin: Margin, trace: Trace, part: np.ndarray) -> 
     assert trace.linear is not None
     share = np.linspace(0.0, 1.0, _SHARES + 1)
     own = _greatest(part, np.abs(trace.linear / trace.limit)) / (1.0 - backoff)
-    excess = _greatest(part, np.maximum(trace.use - 1.0, 0.0))
+    excess = _greatest(part, np.maximum(_excess(trace), 0.0))
     over = (excess > 0.0) & (excess < _SLIGHTLY)
     loose = 1.0 - own - np.interp(share, margin.share, margin.kept)
     return np.where(over & (loose > 0.0) & (loose < _FREE), 1.0 - own, 0.0)
@@ -100,6 +100,15 @@ def _is_free(backoff: float, margin: Margin, trace: Trace, end_time: float) -> b
     return own < (1.0 - backoff) * (1.0 - kept) - _FREE
 
 
+def _excess(trace: Trace) -> np.ndarray:
+    """By which part of the limit a height is too high over time, (m,), with what a finer grid may find."""
+    return trace.use - 1.0 + _resolution(trace)
+
+
+def _resolution(trace: Trace) -> np.ndarray:
+    return SloshHeight.judge_resolution + SloshHeight.integration_error / np.abs(trace.limit)
+
+
 def _added(trace: Trace) -> np.ndarray:
     """What the second order adds over time, (m,), as a part of the limit."""
     assert trace.linear is not None  # it is a trace of second order
@@ -109,12 +118,13 @@ def _added(trace: Trace) -> np.ndarray:
 def _calmer(trace: Trace) -> float:
     """The factor on all waves with which the height just keeps its limit where it is worst, at most 1.
 
-    What the second order adds then falls with its square: own h + added h^2 = 1.
+    What the second order adds then falls with its square: own h + added h^2 = 1, less what a finer grid may find.
     """
     assert trace.linear is not None
     worst = int(np.argmax(trace.use))
     own, added = float(trace.linear[worst] / np.abs(trace.limit[worst])), float(_added(trace)[worst])
-    return min(2.0 / (own + float(np.sqrt(own**2 + 4.0 * added))), 1.0)
+    kept = 1.0 - float(_resolution(trace)[worst])
+    return min(2.0 * kept / (own + float(np.sqrt(own**2 + 4.0 * added * kept))), 1.0)
 
 
 def _greatest(part: np.ndarray, values: np.ndarray) -> np.ndarray:

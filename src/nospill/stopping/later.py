@@ -12,20 +12,23 @@ from nospill.certification.wording import describe
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState
 from nospill.plans.stops import Stop
-from nospill.stopping.physics import stays
-from nospill.stopping.solving import judged_stop, stopping_scene, swinging_on
+from nospill.stopping.solving import splice_at, stopping_scene
 from nospill.stopping.splices import joined_record
+from nospill.stopping.verdicts import judged_stop, swinging_on
 
 _WORTH = 2e-3
 """s; by so much it has to be sooner."""
 
 
-def sooner_by_waiting(plan: Plan, state: MotionState, own: Stop, following: Stop, residual: float) -> Stop:
+def sooner_by_waiting(
+    plan: Plan, state: MotionState, lead: MotionState, own: Stop, following: Stop, residual: float
+) -> Stop:
     """The stop of the next instant with what leads there, where it stands sooner than a state's own; else that one.
 
     Args:
         plan: certified.
         state: of the plan.
+        lead: `splices.BEFORE` samples earlier.
         own: the stop from it.
         following: the stop from a later instant, certified as after `stopping_scene`.
         residual: how high liquids may swing on, over max_slosh_height.
@@ -33,16 +36,15 @@ def sooner_by_waiting(plan: Plan, state: MotionState, own: Stop, following: Stop
     if following.origin == "rest of the plan" or following.t - own.t + following.duration > own.duration - _WORTH:
         return own
     record = joined_record(state.rest, following.trajectory, following.t - own.t)
-    scene = stopping_scene(plan.scene, state, residual)
-    judged = judged_stop(record, scene)
-    if judged is None or not judged[1].certificate.ok or not stays(judged[0], swinging_on(scene)):
+    scene = swinging_on(stopping_scene(plan.scene, state, residual))
+    verdict = judged_stop(record, scene, splice_at(plan, state, lead, residual))
+    if verdict is None or not verdict.ok or not verdict.stays:
         return own
-    record, judgement = judged
     return replace(
         own,
-        duration=record.end_time,
+        duration=verdict.record.end_time,
         end=following.end,
         origin="later",
-        nearest=describe(judgement.certificate.worst),
-        trajectory=record,
+        nearest=describe(verdict.judgement.certificate.worst),
+        trajectory=verdict.record,
     )

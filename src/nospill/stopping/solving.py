@@ -2,7 +2,8 @@
 
 Each is solved on a coarse grid from the one before it, 20 ms earlier; its exported samples are judged as any motion. A
 row that the judge rejects gets more back-off, as much as it was over, a few times over. From afar a stop is looked for
-from smooth motions to rest of several durations: liquids have an optimum in each of their swings.
+from what is left of the plan, which keeps every limit; where that leads nowhere from smooth motions to rest of several
+durations: liquids have an optimum in each of their swings.
 
 A stop is in a hurry: weights that a scenario states for the smoothness of its motion are left out, under which stops of
 `matrix-liquid` took half as long again. Its liquids need not be calm, they may swing on below `max_slosh_height`; so
@@ -20,13 +21,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from nospill.certification.certificate import Judgement, judge_motion
-from nospill.certification.tracks import judged_tracks
 from nospill.certification.wording import describe
 from nospill.errors import ModelError, NoSolutionError
 from nospill.laws.constraints.base import RowId, liquid_names
 from nospill.laws.constraints.residual_height import ResidualHeight
-from nospill.motion.trajectory import Trajectory
 from nospill.path_search.free_path import paths_along
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
@@ -37,9 +35,9 @@ from nospill.plans.stops import NO_BOUND, Stop
 from nospill.robots.joint_paths.search import JointPath, path_through
 from nospill.scene.scene import Fidelity, Scene
 from nospill.stopping.bounds import bound_of
-from nospill.stopping.physics import stays
 from nospill.stopping.splices import Splice
 from nospill.stopping.tightening import broken, faded, gentler, tightened
+from nospill.stopping.verdicts import Verdict, judged_stop, swinging_on
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.margins_along import Margin
 from nospill.transcription.solvers import solve
@@ -47,6 +45,7 @@ from nospill.transcription.solvers.options import SolveOptions, Tolerances
 from nospill.transcription.solvers.solution import Solution
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import motion_to_rest
+from nospill.transcription.trajectory_start import from_trajectory
 
 _PARTS = (0.5, 1.0, 0.3)
 """Of what is left of the plan: durations of the smooth motions from which a stop is looked for from afar."""
@@ -60,9 +59,9 @@ _BACKOFF_KEPT = 0.8
 """Part of the back-off beyond the first one with which the stop from the next instant begins: all of it never fell."""
 _TOLERANCES = Tolerances(stationarity=1e-3, violation=1e-5, complementarity=5e-6, linear_system=1e-6, refinements=0)
 """Every answer is judged, and tightened where need be: the last iterations shorten it by parts in 10,000."""
+_SMOOTH, _REST, _WARM = (1e-2, 1e-3), (1e-4, 1e-4), (None, 5e-4)
+"""First barrier, and how far from its bounds a motion is moved: the rest of a plan keeps them, smooth ones do not."""
 _WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 80, 150, 30.0
-_SWINGS_ON = 1.0
-"""s after the end, over which every limit is judged: three swings of a liquid of 35 mm, and the highest are first."""
 _SAME = 1e-3
 """Ratio of two durations, less 1, up to which the motions count as the same."""
 _LEVEL = 1e-4
@@ -110,16 +109,14 @@ def stop_from(
         residual: how high liquids may swing on, over max_slosh_height.
         afresh_above: s, duration of the stop found so from which one is looked for from afar too, the faster is taken;
             with 0 that comes first, and the stop before is followed only as long as that may be sooner.
-        lead: the state `splices.BEFORE` samples earlier, from which on plan and stop are judged together too.
+        lead: the state `splices.BEFORE` samples earlier, from which on plan and stop are judged together.
 
     Returns:
         The stop; and what the next one is solved from, None where nothing was solved.
     """
     began, left = time.perf_counter(), plan.duration - state.t
     scene = stopping_scene(plan.scene, state, residual)
-    splice = None
-    if lead is not None:
-        splice = Splice(plan.trajectory, state.t, lead, stopping_scene(plan.scene, lead, residual))
+    splice = None if lead is None else splice_at(plan, state, lead, residual)
     found, sooner = None, _SOONER * left
     if before is None or afresh_above <= 0.0:
         found = _staying(found_from_afar(scene, state, joint_path, left, sooner, splice))
@@ -163,6 +160,11 @@ def stopping_scene(scene: Scene, state: MotionState, residual: float = 1.0) -> S
     )
 
 
+def splice_at(plan: Plan, state: MotionState, lead: MotionState, residual: float = 1.0) -> Splice:
+    """Where a stop takes over from a plan in a state, seen from one a little earlier."""
+    return Splice(plan.trajectory, state.t, lead, swinging_on(stopping_scene(plan.scene, lead, residual)))
+
+
 def found_from_afar(
     scene: Scene,
     state: MotionState,
@@ -199,20 +201,22 @@ def _from_smooth_motions(
 ) -> Found | None:
     """The first certified stop whose objects stay, by problems of some fidelity; where none is the last certified one.
 
-    Where two smooth motions lead to the same one before anything is tightened, the second one is left out: what follows
-    from it would be the same.
+    First from what is left of the plan: where that converges and no stop follows, none is looked for further. Where two
+    motions lead to the same one before anything is tightened, the second one is left out: the same would follow.
     """
     task, known, last = Task.of(replace(scene, fidelity=fidelity)), list[float](), None
-    for start in _from_afar(task, state, joint_path, left):
+    for start, begin in _from_afar(task, state, joint_path, left, of_plan=splice is not None):
         active = _first(task, state)
-        first = _solved(active, start, None)
+        first = _solved(active, start, None, begin)
         duration = first.stages.duration
-        if not first.converged or duration > most or any(abs(duration / other - 1.0) < _SAME for other in known):
+        if not first.converged or any(abs(duration / other - 1.0) < _SAME for other in known):
             continue
         known.append(duration)
         found = _certified(scene, state, active, first, most, splice)
         if found is not None and found.stays:
             return found
+        if found is None and begin is _REST:
+            return None
         last = found or last
     return last
 
@@ -243,10 +247,15 @@ def joint_path_of(plan: Plan) -> JointPath:
     return path_through(paths, 0.0, plan.trajectory.joint_position[0])
 
 
-def _from_afar(task: Task, state: MotionState, joint_path: JointPath, left: float) -> Iterator[Stages]:
+def _from_afar(
+    task: Task, state: MotionState, joint_path: JointPath, left: float, *, of_plan: bool
+) -> Iterator[tuple[Stages, tuple[float, float]]]:
+    """Motions from which a stop is looked for, with `_REST` or `_SMOOTH`; of a plan what is left of it first."""
     model = _first(task, state).scene
+    if of_plan:
+        yield from_trajectory(model, state.rest, STOP_INTERVALS), _REST
     for part in _PARTS:
-        yield motion_to_rest(model, state.arm, joint_path, STOP_INTERVALS, part * left)
+        yield motion_to_rest(model, state.arm, joint_path, STOP_INTERVALS, part * left), _SMOOTH
 
 
 def _first(task: Task, state: MotionState) -> ActiveSet:
@@ -258,15 +267,17 @@ def _first(task: Task, state: MotionState) -> ActiveSet:
     return active.with_backoff(sums)
 
 
-def _solved(active: ActiveSet, start: Stages, warm: Solution | None) -> Solution:
+def _solved(
+    active: ActiveSet, start: Stages, warm: Solution | None, begin: tuple[float | None, float] = _WARM
+) -> Solution:
     """The answer from a motion, with the multipliers of another problem where there is one."""
     options = SolveOptions(
         max_iterations=_COLD_ITERATIONS if warm is None else _WARM_ITERATIONS,
         max_time=_MOST_TIME,
         tolerances=_TOLERANCES,
         kkt_error_globalization=warm is not None,
-        barrier_start=None if warm is not None else 1e-2,
-        bound_push=5e-4 if warm is not None else 1e-3,
+        barrier_start=begin[0],
+        bound_push=begin[1],
     )
     expecting = replace(active, expected=max(start.duration, 0.1))
     return solve(problem_about(expecting, start), start, options=options, warm=warm)
@@ -288,12 +299,11 @@ def _certified(
     for _ in range(_TIGHTENED):
         if not solution.converged or solution.stages.duration > most:
             return None
-        judged = _exported(active.scene, scene, solution.stages)
-        if judged is None:
+        verdict = _exported(active.scene, scene, solution.stages, splice)
+        if verdict is None:
             return None
-        record, judgement = judged
-        over = splice.broken(record) if splice is not None and judgement.certificate.ok else {}
-        if judgement.certificate.ok and not over and np.max(np.abs(record.tilt[-1])) <= _LEVEL:
+        record, judgement, over = verdict.record, verdict.judgement, verdict.at_splice
+        if verdict.ok and np.max(np.abs(record.tilt[-1])) <= _LEVEL:
             stop = Stop(
                 t=state.t,
                 duration=record.end_time,
@@ -305,38 +315,21 @@ def _certified(
                 seconds=0.0,
                 bound=NO_BOUND,
             )
-            whole = stays(record, swinging_on(scene))
-            return Found(
-                stop, solution, dict(active.backoff), dict(active.margins), fidelity=active.scene.fidelity, stays=whole
-            )
-        tighter = gentler(active, over, judgement) if over else tightened(active, broken(active, judgement), judgement)
+            fidelity = active.scene.fidelity
+            return Found(stop, solution, dict(active.backoff), dict(active.margins), fidelity, verdict.stays)
+        tighter = gentler(active, over, judgement) if over else active
+        if tighter is active:
+            tighter = tightened(active, broken(active, judgement), judgement)
         if tighter is active:
             return None
         active, solution = tighter, _solved(tighter, solution.stages, solution)
     return None
 
 
-def _exported(model: Scene, scene: Scene, stages: Stages) -> tuple[Trajectory, Judgement] | None:
-    """Exported samples with their verdict; None where the joints cannot follow."""
+def _exported(model: Scene, scene: Scene, stages: Stages, splice: Splice | None) -> Verdict | None:
+    """The verdict on the exported samples; None where the joints cannot follow."""
     try:
         record = export_samples(model, stages)
     except (ModelError, np.linalg.LinAlgError):
         return None
-    return judged_stop(record, scene)
-
-
-def judged_stop(record: Trajectory, scene: Scene) -> tuple[Trajectory, Judgement] | None:
-    """The record of a stop with the liquids that the judge finds, and its verdict; None where they have no answer.
-
-    Every limit is judged while the arm stands after the end too: liquids may swing on.
-    """
-    try:
-        judgement = judge_motion(record, swinging_on(scene))
-    except (ModelError, np.linalg.LinAlgError):
-        return None
-    return replace(record, slosh=judged_tracks(record, scene, judgement.replay, judgement.traces)), judgement
-
-
-def swinging_on(scene: Scene) -> Scene:
-    """The scene with the time after the end in which liquids are looked at."""
-    return replace(scene, motion=replace(scene.motion, hold_after=_SWINGS_ON))
+    return judged_stop(record, swinging_on(scene), splice)

@@ -2,7 +2,8 @@
 
 Acceleration goes on, jerk jumps. A spline through the samples of both rounds that off: it overshoots by a few per cent
 of what the acceleration changes from one sample to the next, before the instant too, where the plan may stand on a
-limit.
+limit. At the instant itself its speed is not the recorded one; a spline through the stop alone is off by another
+amount, and the liquids, whose state is relative to the tray, would begin with a push that nobody gave them.
 """
 
 from __future__ import annotations
@@ -11,11 +12,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from nospill.certification.replay import MINIMUM_RATE, replay
-from nospill.certification.traces import constraint_traces
-from nospill.errors import ModelError
-from nospill.laws.constraints.base import EvaluationPoint, RowId
-from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
+from nospill.motion.holds import held_trajectory
+from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion, JointSamples
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState, states_of
@@ -23,9 +21,6 @@ from nospill.scene.scene import Scene
 
 BEFORE = 8
 """Samples before the instant, from which on the motion is looked at: the overshoot falls to 0.43 with each."""
-_AFTER = 8
-_POINTS = (EvaluationPoint.OBJECT, EvaluationPoint.JOINT, EvaluationPoint.TRAY)
-_ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +31,7 @@ class Splice:
         record: of the plan.
         t: s, the instant.
         lead: the state of the plan a few samples before it.
-        scene: of a stop that begins in that one.
+        scene: of a stop that begins in that one, with the time for which the arm stands after it.
     """
 
     record: Trajectory
@@ -44,27 +39,31 @@ class Splice:
     lead: MotionState
     scene: Scene
 
-    def broken(self, stop: Trajectory) -> dict[RowId, float]:
-        """Use of the limits that plan and stop together break near the instant.
+    @property
+    def wait(self) -> float:
+        """From the lead to the instant, s."""
+        return self._rows / self.record.rate
+
+    def joined(self, stop: Trajectory) -> tuple[Trajectory, JointMotion]:
+        """Plan and stop from the lead on, on a clock that begins there, and what the joints do: one spline of it all.
 
         Args:
             stop: the samples of the stop, on a clock that begins with it.
         """
-        rate, start = self.record.rate, self.record.t[0]
-        row, first = round((self.t - start) * rate), round((self.lead.t - start) * rate)
-        q = np.concatenate([self.record.joint_position[:row], stop.joint_position])
-        spline = QUINTIC_SPLINE.motion(JointSamples(np.arange(len(q)) / rate, q))
-        joined = joined_record(self.lead.rest, stop, (row - first) / rate)
-        near = shortened(joined, row - first + _AFTER)
-        try:
-            played = replay(
-                near, self.scene, motion=lambda t, order=0: spline(t + first / rate, order), rate=MINIMUM_RATE
-            )
-            traces = constraint_traces(near, self.scene, played, points=_POINTS)
-        except (ModelError, np.linalg.LinAlgError):
-            return {}  # the verdict on the stop itself says more
-        uses = [(trace.id, float(np.max(trace.use))) for trace in traces]
-        return {row_id: use for row_id, use in uses if use > 1.0 + _ROUNDING}
+        joined, rate = joined_record(self.lead.rest, stop, self.wait), self.record.rate
+        first = self._row(self.lead.t)
+        held = held_trajectory(joined, self.scene.motion).joint_position
+        q = np.concatenate([self.record.joint_position[:first], held])
+        start = self.record.joint_speed[:1], self.record.joint_acceleration[:1]
+        samples = JointSamples((np.arange(len(q)) - first) / rate, q, *start, in_motion=self.record.in_motion)
+        return joined, QUINTIC_SPLINE.motion(samples)
+
+    @property
+    def _rows(self) -> int:
+        return self._row(self.t) - self._row(self.lead.t)
+
+    def _row(self, t: float) -> int:
+        return round((t - self.record.t[0]) * self.record.rate)
 
 
 def states_with_leads(plan: Plan, instants: np.ndarray) -> tuple[list[MotionState], list[MotionState]]:
@@ -84,12 +83,6 @@ def joined_record(rest: Trajectory, stop: Trajectory, wait: float) -> Trajectory
     rows = round(wait * rest.rate)
     columns = {name: np.concatenate([getattr(rest, name)[:rows], getattr(stop, name)]) for name in _columns(rest)}
     return replace(rest, t=np.arange(rows + len(stop.t)) / rest.rate, slosh={}, **columns)
-
-
-def shortened(record: Trajectory, rows: int) -> Trajectory:
-    """The first rows of a record, without its liquids."""
-    columns = {name: getattr(record, name)[:rows] for name in _columns(record)}
-    return replace(record, t=record.t[:rows], slosh={}, **columns)
 
 
 def _columns(record: Trajectory) -> list[str]:

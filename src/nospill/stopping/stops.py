@@ -85,7 +85,7 @@ def stops(
         controller += [braked(plan, stop.t, brake), slowed_to_rest(plan, stop.t, slowing)]
         if progress is not None:
             progress(number, len(states))
-    own = _waiting(own_way, states, own, residual)
+    own = _waiting(own_way, states, leads, own, residual)
     return Stops(
         plan.scene.name, plan.duration, tuple(own), tuple(controller), tuple(brake.tolist()), slowing, residual
     )
@@ -102,10 +102,12 @@ def _one_by_one(
         yield stop
 
 
-def _waiting(plan: Plan, states: Sequence[MotionState], own: list[Stop], residual: float) -> list[Stop]:
+def _waiting(
+    plan: Plan, states: Sequence[MotionState], leads: Sequence[MotionState], own: list[Stop], residual: float
+) -> list[Stop]:
     """The stops of a plan, where it is sooner those of the next instant with what leads there."""
     for index in reversed(range(len(own) - 1)):
-        own[index] = sooner_by_waiting(plan, states[index], own[index], own[index + 1], residual)
+        own[index] = sooner_by_waiting(plan, states[index], leads[index], own[index], own[index + 1], residual)
     return own
 
 

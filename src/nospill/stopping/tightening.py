@@ -34,7 +34,7 @@ _FADES, _FADES_AT_START = 0.9, 0.97
 
 
 def broken(active: ActiveSet, judgement: Judgement) -> dict[RowId, tuple[float, float]]:
-    """Use of the limits that a stop breaks and the part of its duration where it does, by the rows of the problem.
+    """Use of the limits that a stop breaks, or of which it leaves too little, and where in it, by rows of the problem.
 
     What breaks after the end does so because liquids swing on: it is a matter of the rows on how far these do. A rack
     feels the liquids of all its vials.
@@ -42,14 +42,15 @@ def broken(active: ActiveSet, judgement: Judgement) -> dict[RowId, tuple[float, 
     swinging = {row.subject for row in active.possible if row.constraint == ResidualHeight.name}
     over: dict[RowId, tuple[float, float]] = {}
     for row in judgement.certificate.rows:
-        if row.ok or row.constraint not in BY_NAME:
+        if row.shortfall <= 0.0 or row.constraint not in BY_NAME:
             continue
         name, subjects = row.constraint, set(active.labels_of(row.subject))
         if row.at_s > judgement.end_time and not row.at_end:
             name, subjects = ResidualHeight.name, swinging & subjects or swinging
         for label in subjects:
             key = RowId(name, label)
-            over[key] = max((row.use, row.at_s / judgement.end_time), over.get(key, (0.0, 1.0)))
+            use = 1.0 + row.shortfall / row.size
+            over[key] = max((use, row.at_s / judgement.end_time), over.get(key, (0.0, 1.0)))
     return over
 
 

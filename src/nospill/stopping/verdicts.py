@@ -1,0 +1,117 @@
+"""The verdict on a stop: as its receiver plays it, from a few samples of the plan before it to a second of rest after.
+
+Every limit is judged while the arm stands after the end too: liquids may swing on. Of the stop itself every row has to
+leave what a finer grid may find, as rows of a plan do: a verdict on the whole motion from rest has another grid.
+What breaks one of the limits themselves is not looked at further: distances between bodies are left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nospill.certification.certificate import Judgement, judge_first, judge_motion
+from nospill.certification.tracks import judged_tracks
+from nospill.certification.verdict import Row, Trace, worst_row
+from nospill.errors import ModelError
+from nospill.laws.constraints.base import RowId
+from nospill.motion.trajectory import Trajectory
+from nospill.plans.state import rest_of
+from nospill.scene.scene import Scene
+from nospill.stopping.physics import stays
+from nospill.stopping.splices import Splice
+
+_SWINGS_ON = 1.0
+"""s after the end, over which every limit is judged: three swings of a liquid of 35 mm, and the highest are first."""
+_OVERSHOOTS = 3
+"""Samples after the instant, within which what breaks is a matter of the jump of the jerk: a twelfth of it is left."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What is found of a stop.
+
+    Attributes:
+        record: of the stop, where every row holds with the liquids that the judge finds.
+        judgement: from its first instant on, on its own clock; its replay begins with what was judged.
+        at_splice: use of the limits that plan and stop together break where the stop takes over.
+        stays: whether objects stay by the whole physics, where every row holds.
+    """
+
+    record: Trajectory
+    judgement: Judgement
+    at_splice: dict[RowId, float]
+    stays: bool
+
+    @property
+    def ok(self) -> bool:
+        """Whether every row holds, before the stop too, and those of the stop leave what a finer grid may find."""
+        return not self.at_splice and self.judgement.leaves_margin
+
+
+def swinging_on(scene: Scene) -> Scene:
+    """The scene with the time after the end in which liquids are looked at."""
+    return replace(scene, motion=replace(scene.motion, hold_after=_SWINGS_ON))
+
+
+def judged_stop(record: Trajectory, scene: Scene, splice: Splice | None) -> Verdict | None:
+    """The verdict on the samples of a stop; None where its liquids have no answer.
+
+    Args:
+        record: on a clock that begins with the stop.
+        scene: of the stop, with its rest; it begins in a state of the plan.
+        splice: where the stop takes over from its plan; None where no motion is known before it.
+    """
+    joined, motion, wait = record, None, 0.0
+    if splice is not None:
+        joined, motion = splice.joined(record)
+        scene, wait = splice.scene, splice.wait
+    early = wait + _OVERSHOOTS / record.rate if splice is not None else 0.0
+    try:
+        first = judge_first(joined, scene, motion=motion)
+        if not (found := Verdict(record, _since(first, wait), _at_splice(first, early), stays=False)).ok:
+            return found
+        whole = judge_motion(joined, scene, motion=motion, first=first)
+    except (ModelError, np.linalg.LinAlgError):
+        return None
+    tracks = judged_tracks(joined, scene, whole.replay, whole.traces)
+    slosh = rest_of(replace(joined, slosh=tracks), wait).slosh
+    kept = whole.certificate.ok and stays(joined, scene, motion=motion, since=wait)
+    return Verdict(replace(record, slosh=slosh), _since(whole, wait), _at_splice(whole, early), kept)
+
+
+def _at_splice(judgement: Judgement, early: float) -> dict[RowId, float]:
+    """Use of the limits that are broken before a time, s."""
+    return {row.id: row.use for row in judgement.certificate.rows if not row.ok and row.at_s < early}
+
+
+def _since(judgement: Judgement, wait: float) -> Judgement:
+    """A verdict from an instant on, on a clock that begins there."""
+    fullest = {key: cut for key, trace in judgement.fullest.items() if (cut := _cut(trace, wait)) is not None}
+    distances = [_later(row, wait) for row in judgement.certificate.rows if row.id not in judgement.fullest]
+    rows = (*map(worst_row, fullest.values()), *distances)
+    ok = all(row.ok for row in rows) and not judgement.certificate.unjudged
+    return replace(
+        judgement,
+        certificate=replace(judgement.certificate, ok=ok, rows=rows),
+        traces=tuple(cut for trace in judgement.traces if (cut := _cut(trace, wait)) is not None),
+        end_time=judgement.end_time - wait,
+        corners=(),
+        corner_use={},
+        fullest=fullest,
+    )
+
+
+def _cut(trace: Trace, wait: float) -> Trace | None:
+    """A trace from an instant on; None where it has none of those."""
+    late = trace.t >= wait - 1e-9
+    if not np.any(late):
+        return None
+    columns = {name: getattr(trace, name)[late] for name in ("t", "value", "limit", "margin")}
+    columns["t"] = columns["t"] - wait
+    return replace(trace, **columns, linear=None if trace.linear is None else trace.linear[late])
+
+
+def _later(row: Row, wait: float) -> Row:
+    return replace(row, at_s=row.at_s - wait)
