@@ -69,7 +69,7 @@ DURATIONS = {
     "matrix-liquid-tilt-robust": 1.6813,
     "matrix-liquid-tilt-all-limits": 1.6855,
     "matrix-liquid-corridor": 1.5436,
-    "matrix-liquid-point-to-point": 1.3715,
+    "matrix-liquid-point-to-point": 1.3805,
     "pp-two-cups": 1.8501,
     "mixed-tray": 1.6894,  # its box of water has yaw modes
     "coffee-to-go": 0.9749,
