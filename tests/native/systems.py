@@ -43,8 +43,7 @@ def chain(seed: int, stages: int = 30, variables: int = 9, equalities: int = 5, 
     jacobian = matrix[primal:, :primal]
     for stage in range(stages):
         own = slice(stage * variables, (stage + 1) * variables)
-        root = random.normal(size=(variables, variables))
-        matrix[own, own] = root @ root.T + 0.1 * np.eye(variables)
+        matrix[own, own] = _convex(random, variables)
         bounds = (stages - 1) * equalities + stage * inequalities + np.arange(inequalities)
         jacobian[bounds, own] = random.normal(size=(inequalities, variables)) * (random.random(variables) < 0.6)
         jacobian[bounds, free + stage * inequalities + np.arange(inequalities)] = -1.0
@@ -68,13 +67,17 @@ def states(stages: int = 20, size: int = 10) -> np.ndarray:
     jacobian = matrix[primal:, :primal]
     for stage in range(stages):
         own = slice(stage * size, (stage + 1) * size)
-        root = random.normal(size=(size, size))
-        matrix[own, own] = root @ root.T + 0.1 * np.eye(size)
+        matrix[own, own] = _convex(random, size)
         if stage + 1 < stages:
             jacobian[own, own] = random.uniform(-0.3, 0.3, (size, size))
             jacobian[own, (stage + 1) * size : (stage + 2) * size] = np.eye(size)
     matrix[:primal, primal:] = jacobian.T
     return matrix
+
+
+def _convex(random: np.random.Generator, size: int) -> np.ndarray:
+    root = random.normal(size=(size, size))
+    return root @ root.T + 0.1 * np.eye(size)
 
 
 def refined(factor: Factor, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:

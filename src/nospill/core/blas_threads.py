@@ -98,6 +98,6 @@ def _controller_of(loaded: tuple[bool, ...]) -> ThreadpoolController:
     if dict(zip(_LOADERS, loaded, strict=True))["casadi"]:
         import casadi
 
-        casadi.load_nlpsol("ipopt")  # with the solver comes its OpenBLAS
+        casadi.has_nlpsol("ipopt")  # looks for the solver by loading it, with its OpenBLAS; loaded twice, CasADi warns
     register(CasadiBlas)
     return ThreadpoolController()
