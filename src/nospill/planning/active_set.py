@@ -35,6 +35,7 @@ from nospill.planning.members import (
     Members,
     backoff_by_order,
     crests_of,
+    growths_by_order,
     relaxed_by_order,
     tightened,
     uses_of,
@@ -226,8 +227,9 @@ class ActiveSet:
             following = following.as_smooth_as(smooth)
             if rings_far(band, self.smoothness):
                 return following
-        backoff = following.backoff if first else raised_backoff(following.backoff, band, names)
-        found = margins_over(band, names, judgement.end_time, backoff)
+        growths = self._growths(judgement)
+        backoff = following.backoff if first else raised_backoff(following.backoff, band, names, growths)
+        found = margins_over(band, names, judgement.end_time, backoff, growths)
         margins = half_way(found, self.margins) if rings else falling(found, self.margins)
         rows = following.rows | (joining(band, names) & following.possible)
         return replace(following, rows=rows, margins=margins, backoff=backoff)
@@ -316,6 +318,10 @@ class ActiveSet:
         """What a subject of the certificate is called in the problem, each of its variants."""
         return [label for (name, _), label in self.names.items() if name == subject] or [subject]
 
+    def _growths(self, judgement: Judgement) -> dict[RowId, float]:
+        """Of the heights of second order how much more they fall than their linear parts, which the problem has."""
+        return growths_by_order(self._on_members(judgement.planned_rows))
+
     @property
     def _driven(self) -> frozenset[str]:
         """Names in the problem of those whose waves of second order are among its states."""
@@ -363,7 +369,8 @@ class ActiveSet:
         With the margins that a motion over a band of arms needs, and of crests of second order what it does not.
         """
         if self.margins and judgement.band is not None:
-            margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff)
+            growths = self._growths(judgement)
+            margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff, growths)
             light = rougher(self.smoothness, judgement.band.use, rings=self._rings)
             return replace(self, margins=margins, smoothness=light)
         if self.task.smooth_first:

@@ -88,6 +88,15 @@ def second_order_backoff(
     return max(found, most if fall * (most - backoff) < second - wanted else backoff + (second - wanted) / fall)
 
 
+def growth_by_order(linear: float, second: float) -> float:
+    """How much more than the linear height one of second order falls with it; arguments as of `second_order_backoff`.
+
+    own h + added h^2 at h = 1 falls by own + 2 added; where turns of the tray drive it, hardly faster than they do.
+    """
+    added = max(second - linear, 0.0) / max(linear, _LEAST)
+    return 1.0 + min(2.0 * added, _DRIVEN_BY_TURNS)
+
+
 def relaxed_second_order(backoff: float, linear: float, second: float) -> float:
     """The same of a certified motion whose height of second order is far below its limit; arguments as there."""
     if second > _WELL_BELOW:

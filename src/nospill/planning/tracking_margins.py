@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -38,9 +39,15 @@ _MORE, _LEAST, _STEP = 1.0, 5e-4, 0.03
 
 
 def margins_over(
-    band: Band, names: Mapping[VariantId, str], duration: float, backoff: Mapping[RowId, float]
+    band: Band,
+    names: Mapping[VariantId, str],
+    duration: float,
+    backoff: Mapping[RowId, float],
+    growths: Mapping[RowId, float] = MappingProxyType({}),
 ) -> dict[RowId, Margin]:
     """Margins of the rows of a problem that are what the band adds to those of a judged motion.
+
+    Of a height of second order the problem has the linear part, on which less is enough.
 
     Args:
         band: as judged.
@@ -48,6 +55,7 @@ def margins_over(
         duration: of the motion, s.
         backoff: of the rows of the problem. With a margin that leaves a row on the final state next to nothing beside
             that, waves would have to be gone to the last, for which solves take longest, most of them in vain.
+        growths: of heights of second order how much more they fall than their linear parts; 1 of other rows.
     """
     found: dict[RowId, Margin] = {}
     for row, added in band.added.items():
@@ -55,7 +63,7 @@ def margins_over(
         times = np.linspace(band.t[0], band.t[-1], len(added)) / duration
         for own in _of_members(row, names):
             most = min(_MOST_AT_END, max(_MOST_IN_ALL - backoff.get(own, 0.0), 0.0)) if at_end else _MOST
-            found[own] = Margin(times, np.minimum(added, most))
+            found[own] = Margin(times, np.minimum(added / growths.get(own, 1.0), most))
     return found
 
 
@@ -97,14 +105,23 @@ def joining(band: Band, names: Mapping[VariantId, str]) -> frozenset[RowId]:
     return frozenset(own for row in near for own in _of_members(row, names))
 
 
-def raised_backoff(backoff: Mapping[RowId, float], band: Band, names: Mapping[VariantId, str]) -> dict[RowId, float]:
-    """Back-off of every row, more where a row is over its limit although its margins were kept."""
+def raised_backoff(
+    backoff: Mapping[RowId, float],
+    band: Band,
+    names: Mapping[VariantId, str],
+    growths: Mapping[RowId, float] = MappingProxyType({}),
+) -> dict[RowId, float]:
+    """Back-off of every row, more where a row is over its limit although its margins were kept.
+
+    Arguments as of `margins_over`.
+    """
     raised = dict(backoff)
     for row, use in band.use.items():
         if use > 1.0 and row.constraint not in END_NAMES:
             for own in _of_members(row, names):
                 if own in raised:
-                    raised[own] += min(_MORE * (use - 1.0) + _LEAST, _STEP, (1.0 - raised[own]) / 2)
+                    more = _MORE * (use - 1.0) / growths.get(own, 1.0) + _LEAST
+                    raised[own] += min(more, _STEP, (1.0 - raised[own]) / 2)
     return raised
 
 
