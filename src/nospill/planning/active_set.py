@@ -60,6 +60,7 @@ from nospill.planning.tracking_margins import (
     rings_far,
     rougher,
     smoother,
+    uses_over,
 )
 from nospill.planning.wave_margins import margins_of_waves
 from nospill.scene.scene import Scene
@@ -229,6 +230,8 @@ class ActiveSet:
                 return following
         growths = self._growths(judgement)
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names, growths)
+        own = self._on_members(judgement.planned_rows)
+        backoff = {**backoff, **relaxed_by_order(own, backoff, uses_over(band, names))}
         found = margins_over(band, names, judgement.end_time, backoff, growths)
         margins = half_way(found, self.margins) if rings else falling(found, self.margins)
         rows = following.rows | (joining(band, names) & following.possible)
@@ -356,9 +359,11 @@ class ActiveSet:
 
     def relaxed(self, judgement: Judgement) -> ActiveSet:
         """The set without most of the back-off that a certified motion shows to be more than is needed."""
-        own = list(self._on_members(self._judged(judgement), own=True))
-        relaxed = relaxed_backoff(self.backoff, uses_of(row for row in own if row.linear_value is None))
-        relaxed = {**relaxed, **relaxed_by_order(own, self.backoff)}
+        own, band = list(self._on_members(self._judged(judgement), own=True)), judgement.band
+        over = {} if band is None else uses_over(band, self.names)
+        uses = uses_of(row for row in own if row.linear_value is None)
+        relaxed = relaxed_backoff(self.backoff, {row: max(use, over.get(row, 0.0)) for row, use in uses.items()})
+        relaxed = {**relaxed, **relaxed_by_order(own, self.backoff, over)}
         if self.smoothness.factor <= 1.0:  # of smoother motions crests say little of what is left
             relaxed = relaxed_by_flow(relaxed, own, self._driven, self.backoff)
         return replace(self, backoff=relaxed)

@@ -125,6 +125,11 @@ def raised_backoff(
     return raised
 
 
+def uses_over(band: Band, names: Mapping[VariantId, str]) -> dict[RowId, float]:
+    """The largest use of every row over the band, by the names in the problem."""
+    return {own: use for row, use in band.use.items() for own in _of_members(row, names)}
+
+
 def require_band(scene: Scene, judgement: Judgement, *, ended: bool) -> None:
     """Refuse a motion that holds for the arm as it is stated and not over the band of it.
 
