@@ -55,7 +55,9 @@ from nospill.planning.tracking_margins import (
     falling,
     half_way,
     joining,
+    lowered_at_end,
     margins_over,
+    of_members,
     raised_backoff,
     rings_far,
     rougher,
@@ -219,7 +221,12 @@ class ActiveSet:
         if band is None or (max(band.use.values(), default=0.0) <= 1.0 and following is self):
             return following
         names, first, rings = following.names, not self.margins, self._rings
-        smooth = smoother(self.smoothness, band.use, rings=rings, margins=not first)
+        lowered: dict[RowId, float] = {}
+        if not (first or rings):
+            planned = uses_of(self._on_members(judgement.planned_rows))
+            lowered = lowered_at_end(self.backoff, band, planned, self.names)
+        uses = {row: use for row, use in band.use.items() if lowered.keys().isdisjoint(of_members(row, names))}
+        smooth = smoother(self.smoothness, uses, rings=rings, margins=not first)
         if not rings:
             following = following.as_smooth_as(smooth)
         if following.scene is not self.scene or (first and _far_over(judgement)):
@@ -232,6 +239,7 @@ class ActiveSet:
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names, growths)
         own = self._on_members(judgement.planned_rows)
         backoff = {**backoff, **relaxed_by_order(own, backoff, uses_over(band, names))}
+        backoff |= {row: max(value, backoff[row]) for row, value in lowered.items()}
         found = margins_over(band, names, judgement.end_time, backoff, growths)
         margins = half_way(found, self.margins) if rings else falling(found, self.margins)
         rows = following.rows | (joining(band, names) & following.possible)
