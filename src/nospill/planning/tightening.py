@@ -101,7 +101,9 @@ def relaxed_second_order(backoff: float, linear: float, second: float, band: flo
     """The same of a motion whose height of second order is far below its limit; arguments as there.
 
     Args:
-        backoff, linear, second: as there.
+        backoff: as there.
+        linear: as there.
+        second: as there.
         band: what arms of a band add to that height, over the limit.
     """
     if second + band > _WELL_BELOW:
