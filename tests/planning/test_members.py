@@ -12,6 +12,7 @@ import pytest
 from nospill.certification.verdict import Row
 from nospill.laws.constraints.base import RowId
 from nospill.planning.members import Members, backoff_by_order, crests_of, relaxed_by_order, tightened
+from nospill.planning.tightening import growth_by_order, relaxed_second_order
 from nospill.planning.worst_speeds import is_far
 from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
@@ -135,3 +136,16 @@ def test_heights_that_fall_less_than_the_law_says_are_tightened_by_the_secant() 
         rows = [Row(*key, "m", 1.0, second, 1.0 - second, 0.0, False, linear_value=1.0 - alone[key])]
         alone, _ = tightened(rows, [key], alone, {})
     assert 1.003 - 0.05 * alone[key] > 1.0
+
+
+def test_over_a_band_a_crest_far_below_its_limit_gets_back_off_back_beside_its_margin() -> None:
+    """own h + added h^2 = 1 less what the band adds, of which the linear height keeps less: what is left is used."""
+    linear, second, band = 0.5, 0.6, 0.1
+    kept = band / growth_by_order(linear, second)
+    assert growth_by_order(linear, second) == pytest.approx(1.4)
+    backoff = 1.0 - kept - linear  # the problem's row was active
+    relaxed = relaxed_second_order(backoff, linear, second, band)
+    height = 1.0 - relaxed - kept
+    assert 0.85 < height + 0.4 * height**2 + band < 1.0
+    assert relaxed_second_order(backoff, linear, second, 0.36) == backoff  # none where the band takes the rest
+    assert growth_by_order(0.1, 0.6) == 3.0  # turns of the tray drive it

@@ -15,6 +15,7 @@ from nospill.planning.smoothness import AS_STATED, LATE, LATE_AT_ONCE, RINGING, 
 from nospill.planning.tracking_margins import (
     falling,
     half_way,
+    lowered_at_end,
     margins_over,
     rings_far,
     rougher,
@@ -44,6 +45,17 @@ def test_no_drawn_arm_breaks_a_plan_made_for_them() -> None:
     report = margins(planned, samples=200, seed=1)
     assert report.arms == 200
     assert report.any_limit.count == 0
+
+
+@pytest.mark.slow
+def test_a_cup_keeps_its_height_of_second_order_with_every_drawn_arm() -> None:
+    cups = one_mode("mixed-tray", COARSE)
+    one = cups.changed({"cargo": cups.source["cargo"][:1], "tolerance.tracking": {"delay": "3 ms", "lag": "2 ms"}})
+    planned = plan(one)
+    assert planned.certificate.ok
+    (height,) = (row for row in planned.certificate.rows if row.constraint == "slosh height")
+    assert height.linear_value is not None
+    assert margins(planned, samples=100, seed=1).any_limit.count == 0
 
 
 def test_objects_that_cannot_slosh_are_planned_for_late_arms_too() -> None:
@@ -78,6 +90,9 @@ def _band(**use: float) -> Band:
 def test_margins_are_what_the_band_adds_and_fall_half_way_at_most() -> None:
     band, slip, left = _band(slip=1.1, residual_height=0.9), RowId("slip", "c1"), RowId("residual height", "c1")
     found = margins_over(band, {("c1", ""): "c1"}, 1.0, {left: 0.75})
+    lighter = margins_over(band, {("c1", ""): "c1"}, 1.0, {left: 0.75}, {slip: 2.0})  # were it of second order
+    assert lighter[slip].kept[-1] == pytest.approx(0.5 * found[slip].kept[-1])
+    assert lighter[left].kept == pytest.approx(found[left].kept)
     assert np.allclose(found[slip].kept, band.added[slip])
     assert found[left].kept == pytest.approx(0.92 - 0.75)  # waves need not be gone to the last
     before = {slip: Margin(band.t, np.full(11, 0.3))}
@@ -122,3 +137,14 @@ def test_objects_that_cannot_slosh_are_planned_for_joints_that_ring() -> None:
     assert planned.judgement.band is not None
     assert planned.judgement.band.largest >= 1.0
     assert margins(planned, samples=40, seed=1).any_limit.count == 0
+
+
+def test_back_off_lowers_what_a_motion_leaves_as_planned_and_not_what_lateness_adds() -> None:
+    left, names = RowId("residual height", "c1"), {("c1", ""): "c1"}
+    over = _band(residual_height=1.1, slip=1.1)
+    found = lowered_at_end({left: 0.3, RowId("slip", "c1"): 0.0}, over, {left: 0.9}, names)
+    assert set(found) == {left}
+    assert 0.3 + (1.0 - 0.3 - 0.2) * 0.1 / 0.9 < found[left] < 0.8
+    assert lowered_at_end({left: 0.3}, over, {left: 0.4}, names) == {}  # the jerks have to weigh more
+    assert lowered_at_end({left: 0.85}, over, {left: 0.9}, names) == {}  # more of it would not do
+    assert lowered_at_end({left: 0.3}, _band(residual_height=1.0), {left: 0.9}, names) == {}

@@ -8,7 +8,7 @@ Forces and everything else stay those of the modes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,7 +23,7 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states
-from nospill.potential_flow import Driven, driven, rows_at, second_order_states
+from nospill.potential_flow import STEP_ANGLE, Driven, driven, rows_at, second_order_states
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.heights import to_second_order
 from nospill.scene.scene import Scene
@@ -65,6 +65,36 @@ def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> 
 def left_to_second_order(scene: Scene) -> bool:
     """Whether the height after the end is judged to the second order or more, of the liquids of which it is known."""
     return scene.motion.residual_height != "linear" and not scene.motion.stop
+
+
+def with_second_order_along(
+    traces: Iterable[Trace], scene: Scene, replays: Sequence[Replay], *, step_angle: float
+) -> tuple[Trace, ...]:
+    """Traces during some replays of one length, one behind the other; slosh heights as the scene asks for them.
+
+    Args:
+        traces: of heights as the modes have them.
+        scene: whose liquids.
+        replays: the motions.
+        step_angle: with which the second order is integrated, rad of its fastest mode.
+    """
+    liquids = _liquids(scene)
+
+    def judged(trace: Trace) -> Trace:
+        cargo, modes = liquids[trace.subject]
+        body = np.hstack([played.body for played in replays])
+        q, qd = (
+            np.concatenate([state[:, modes] for state in states])
+            for states in zip(*((played.slosh_displacement, played.slosh_velocity) for played in replays), strict=True)
+        )
+        step = 1.0 / replays[0].rate
+        value = waves_along(cargo, body, q, qd, step, motions=len(replays), step_angle=step_angle).crests
+        return replace(trace, value=value, margin=np.abs(trace.limit) - value, linear=trace.value)
+
+    return tuple(
+        judged(trace) if trace.constraint == SloshHeight.name and trace.subject in liquids else trace
+        for trace in traces
+    )
 
 
 def heights_after(scene: Scene, played: Replay, t: np.ndarray) -> dict[str, np.ndarray]:
@@ -143,6 +173,8 @@ def waves_along(
     step: float,
     *,
     start: np.ndarray | None = None,
+    motions: int = 1,
+    step_angle: float = STEP_ANGLE,
 ) -> Waves:
     """The second order that a liquid's own waves drive.
 
@@ -153,6 +185,8 @@ def waves_along(
         velocity: (m, k) likewise, m/s.
         step: between the instants, s.
         start: (2, J) the second order at the first instant; when left out as the initial swing has it, or at rest.
+        motions: how many of one length follow one another in the instants.
+        step_angle: largest step of the integration, rad of the fastest mode.
 
     Raises:
         ModelError: that swing has more modes than the liquid.
@@ -162,7 +196,9 @@ def waves_along(
     own = rows_at(body, np.array([*cargo.position, 0.0]), cargo.yaw)
     liquid = driven(cargo)
     begin = _beginning(cargo, liquid) if start is None else start
-    added = second_order_states(liquid, own, displacement, velocity, step, begin)
+    added = second_order_states(
+        liquid, own, displacement, velocity, step, begin, motions=motions, step_angle=step_angle
+    )
     linear, yaw = _linear_heights(filling, own, displacement)
     crests = highest_on_wall(cargo, liquid.terms.basin.modes, linear, added[:, 0]) + yaw
     return Waves(cargo, displacement, velocity, added, crests)

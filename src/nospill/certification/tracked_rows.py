@@ -17,6 +17,7 @@ from nospill.certification.clearance import clearance_traces
 from nospill.certification.replay import Replay, coarse_replays
 from nospill.certification.rims import rims_below
 from nospill.certification.run import Run, of_joints_alone, run_of
+from nospill.certification.second_order import with_second_order_along
 from nospill.certification.traces import constraint_traces, end_traces, evaluated_traces
 from nospill.certification.verdict import Row, Trace, limit_use
 from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, Role, RowId
@@ -42,6 +43,8 @@ _SLOW_RATE = 250.0
 """Hz, of the steps of liquids with few modes, at least."""
 _LEAST_FREEBOARD = 1e-4
 """m."""
+_STEP_ANGLE = 0.12
+"""rad of the fastest mode, of the second order in them."""
 _MODES = 3
 """Of a liquid, with which differences between replays are made."""
 
@@ -125,24 +128,30 @@ class Followed:
             at_end: whether rows on the final state are among them.
         """
         replays = self.played(motions, after=after)
-        found = [dict(own) for own in self.during(replays, self._use)]
+        found = [dict(own) for own in self._during(self._on_objects(replays), replays, self._use)]
         if at_end:
             of_ends = end_traces(self.scene, [(self._record(played), played) for played in replays])
             for own, traces in zip(found, of_ends, strict=True):
                 own |= {trace.id: use for trace in traces if (use := self._use(trace)) is not None}
         return tuple(found)
 
-    def during(
-        self, replays: Sequence[Replay], use_of: Callable[[Trace], np.ndarray | None] = lambda trace: trace.use
-    ) -> tuple[Uses, ...]:
+    def during(self, replays: Sequence[Replay]) -> tuple[Uses, ...]:
         """Uses of the rows on objects and of the distances that are near, during some replays of one length.
 
-        Args:
-            replays: evaluated one behind the other, in one call.
-            use_of: what a trace uses over time, or None for a row that is left out.
+        Evaluated one behind the other, in one call; slosh heights to the order that the scene has them.
         """
+        objects = with_second_order_along(self._on_objects(replays), self.scene, replays, step_angle=_STEP_ANGLE)
+        return self._during(objects, replays, lambda trace: trace.use)
+
+    def _during(
+        self,
+        objects: Sequence[Trace],
+        replays: Sequence[Replay],
+        use_of: Callable[[Trace], np.ndarray | None],
+    ) -> tuple[Uses, ...]:
+        """Uses of traces along all replays and of the distances that are near; those that are None are left out."""
         found: list[dict[RowId, np.ndarray]] = [{} for _ in replays]
-        for trace in (*self._on_objects(replays), *self._distances(replays)):
+        for trace in (*objects, *self._distances(replays)):
             use = use_of(trace)
             if use is not None:
                 for own, part in zip(found, np.split(use, len(replays)), strict=True):

@@ -10,6 +10,7 @@ import numpy as np
 
 from nospill.certification.verdict import limit_use
 from nospill.certification.wording import finding
+from nospill.core.blas_threads import one_blas_thread
 from nospill.errors import ScenarioError
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, Role
@@ -71,6 +72,7 @@ class _Found:
     freeboard: np.ndarray | None
 
 
+@one_blas_thread()
 def margins(
     plan: Plan,
     *,

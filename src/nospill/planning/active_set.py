@@ -35,6 +35,7 @@ from nospill.planning.members import (
     Members,
     backoff_by_order,
     crests_of,
+    growths_by_order,
     relaxed_by_order,
     tightened,
     uses_of,
@@ -54,11 +55,14 @@ from nospill.planning.tracking_margins import (
     falling,
     half_way,
     joining,
+    lowered_at_end,
     margins_over,
+    of_members,
     raised_backoff,
     rings_far,
     rougher,
     smoother,
+    uses_over,
 )
 from nospill.planning.wave_margins import margins_of_waves
 from nospill.scene.scene import Scene
@@ -217,7 +221,12 @@ class ActiveSet:
         if band is None or (max(band.use.values(), default=0.0) <= 1.0 and following is self):
             return following
         names, first, rings = following.names, not self.margins, self._rings
-        smooth = smoother(self.smoothness, band.use, rings=rings, margins=not first)
+        lowered: dict[RowId, float] = {}
+        if not (first or rings):
+            planned = uses_of(self._on_members(judgement.planned_rows))
+            lowered = lowered_at_end(self.backoff, band, planned, self.names)
+        uses = {row: use for row, use in band.use.items() if lowered.keys().isdisjoint(of_members(row, names))}
+        smooth = smoother(self.smoothness, uses, rings=rings, margins=not first)
         if not rings:
             following = following.as_smooth_as(smooth)
         if following.scene is not self.scene or (first and _far_over(judgement)):
@@ -226,8 +235,12 @@ class ActiveSet:
             following = following.as_smooth_as(smooth)
             if rings_far(band, self.smoothness):
                 return following
-        backoff = following.backoff if first else raised_backoff(following.backoff, band, names)
-        found = margins_over(band, names, judgement.end_time, backoff)
+        growths = self._growths(judgement)
+        backoff = following.backoff if first else raised_backoff(following.backoff, band, names, growths)
+        own = self._on_members(judgement.planned_rows)
+        backoff = {**backoff, **relaxed_by_order(own, backoff, uses_over(band, names))}
+        backoff |= {row: max(value, backoff[row]) for row, value in lowered.items()}
+        found = margins_over(band, names, judgement.end_time, backoff, growths)
         margins = half_way(found, self.margins) if rings else falling(found, self.margins)
         rows = following.rows | (joining(band, names) & following.possible)
         return replace(following, rows=rows, margins=margins, backoff=backoff)
@@ -316,6 +329,10 @@ class ActiveSet:
         """What a subject of the certificate is called in the problem, each of its variants."""
         return [label for (name, _), label in self.names.items() if name == subject] or [subject]
 
+    def _growths(self, judgement: Judgement) -> dict[RowId, float]:
+        """Of the heights of second order how much more they fall than their linear parts, which the problem has."""
+        return growths_by_order(self._on_members(judgement.planned_rows))
+
     @property
     def _driven(self) -> frozenset[str]:
         """Names in the problem of those whose waves of second order are among its states."""
@@ -350,9 +367,11 @@ class ActiveSet:
 
     def relaxed(self, judgement: Judgement) -> ActiveSet:
         """The set without most of the back-off that a certified motion shows to be more than is needed."""
-        own = list(self._on_members(self._judged(judgement), own=True))
-        relaxed = relaxed_backoff(self.backoff, uses_of(row for row in own if row.linear_value is None))
-        relaxed = {**relaxed, **relaxed_by_order(own, self.backoff)}
+        own, band = list(self._on_members(self._judged(judgement), own=True)), judgement.band
+        over = {} if band is None else uses_over(band, self.names)
+        uses = uses_of(row for row in own if row.linear_value is None)
+        relaxed = relaxed_backoff(self.backoff, {row: max(use, over.get(row, 0.0)) for row, use in uses.items()})
+        relaxed = {**relaxed, **relaxed_by_order(own, self.backoff, over)}
         if self.smoothness.factor <= 1.0:  # of smoother motions crests say little of what is left
             relaxed = relaxed_by_flow(relaxed, own, self._driven, self.backoff)
         return replace(self, backoff=relaxed)
@@ -363,7 +382,8 @@ class ActiveSet:
         With the margins that a motion over a band of arms needs, and of crests of second order what it does not.
         """
         if self.margins and judgement.band is not None:
-            margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff)
+            growths = self._growths(judgement)
+            margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff, growths)
             light = rougher(self.smoothness, judgement.band.use, rings=self._rings)
             return replace(self, margins=margins, smoothness=light)
         if self.task.smooth_first:

@@ -26,6 +26,7 @@ from nospill.certification.verdict import Row, condensed
 from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.planning.tightening import (
+    growth_by_order,
     is_saturated,
     relaxed_second_order,
     second_order_backoff,
@@ -266,10 +267,24 @@ def backoff_by_order(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dic
     return {row.id: _raised_backoff(row, backoff[row.id], 0.0) for row in broken if row.id in backoff}
 
 
-def relaxed_by_order(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, float]:
-    """Back-off of the rows of second order, less where a certified motion stays far below their limits."""
+def relaxed_by_order(
+    rows: Iterable[Row], backoff: Mapping[RowId, float], over: Mapping[RowId, float] = MappingProxyType({})
+) -> dict[RowId, float]:
+    """Back-off of the rows of second order, less where a motion stays far below their limits.
+
+    Args:
+        rows: as judged, by the names of the members.
+        backoff: of every row of the problem.
+        over: uses over a band of arms, where there is one.
+    """
     found = condensed(row for row in rows if _is_crest(row) and row.id in backoff)
-    return {row.id: relaxed_second_order(backoff[row.id], *_parts(row)) for row in found}
+    added = {row.id: max(over.get(row.id, 0.0) - row.use, 0.0) for row in found}
+    return {row.id: relaxed_second_order(backoff[row.id], *_parts(row), added[row.id]) for row in found}
+
+
+def growths_by_order(rows: Iterable[Row]) -> dict[RowId, float]:
+    """Of the heights of second order by how much more they fall than the linear heights that problems have."""
+    return {row.id: growth_by_order(*_parts(row)) for row in condensed(filter(_is_crest, rows))}
 
 
 def _is_crest(row: Row) -> bool:

@@ -88,19 +88,38 @@ def second_order_backoff(
     return max(found, most if fall * (most - backoff) < second - wanted else backoff + (second - wanted) / fall)
 
 
-def relaxed_second_order(backoff: float, linear: float, second: float) -> float:
-    """The same of a certified motion whose height of second order is far below its limit; arguments as there."""
-    if second > _WELL_BELOW:
+def growth_by_order(linear: float, second: float) -> float:
+    """How much more than the linear height one of second order falls with it; arguments as of `second_order_backoff`.
+
+    own h + added h^2 at h = 1 falls by own + 2 added; where turns of the tray drive it, hardly faster than they do.
+    """
+    added = max(second - linear, 0.0) / max(linear, _LEAST)
+    return 1.0 + min(2.0 * added, _DRIVEN_BY_TURNS)
+
+
+def relaxed_second_order(backoff: float, linear: float, second: float, band: float = 0.0) -> float:
+    """The same of a motion whose height of second order is far below its limit; arguments as there.
+
+    Args:
+        backoff: as there.
+        linear: as there.
+        second: as there.
+        band: what arms of a band add to that height, over the limit.
+    """
+    if second + band > _WELL_BELOW:
         return backoff
-    return max(min(backoff + _RELAXED * (_backoff_for(backoff, linear, second, 1.0 - _LEFT) - backoff), backoff), 0.0)
+    kept = band / growth_by_order(linear, second)
+    enough = _backoff_for(backoff, linear, second, 1.0 - _LEFT - band, kept)
+    return max(min(backoff + _RELAXED * (enough - backoff), backoff), 0.0)
 
 
-def _backoff_for(backoff: float, linear: float, second: float, wanted: float) -> float:
-    """Back-off with which the height of second order is the part `wanted` of its limit."""
+def _backoff_for(backoff: float, linear: float, second: float, wanted: float, kept: float = 0.0) -> float:
+    """Back-off with which the height of second order is the part `wanted` of its limit, beside a margin there."""
     added = max(second - linear, 0.0) / linear**2
     height = 2.0 * wanted / (1.0 + math.sqrt(1.0 + 4.0 * added * wanted))  # height + added height^2 = wanted
-    ahead = max(linear / (1.0 - backoff), 1.0)  # of what the problem allowed: by modes and instants that it has not
-    return 1.0 - height / ahead
+    left = max(1.0 - backoff - kept, _LEAST)
+    ahead = max(linear / left, 1.0)  # of what the problem allowed: by modes and instants that it has not
+    return 1.0 - kept - height / ahead
 
 
 def relaxed_backoff(backoff: Mapping[RowId, float], uses: Mapping[RowId, float]) -> dict[RowId, float]:

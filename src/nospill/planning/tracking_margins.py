@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -31,6 +32,9 @@ _BY_MARGINS = 1.1
 """Use over a band of ringing joints up to which margins and back-off alone bring a row back."""
 _RINGS_FAR = 1.4
 """Use over a band of ringing joints above which the jerks alone weigh more, as long as their weight may rise."""
+_OWN, _AIM, _STEEPER, _MOST_BACKOFF = 0.5, 0.985, 1.3, 0.8
+"""Of a row on the final state over a band: part of its use as planned from which back-off lowers it, the use that this
+is to lead to, how much more of it than in proportion, for modes outside the problem stay, and the most."""
 _JOINS = 0.9
 """Use over the band from which a row takes part."""
 _MORE, _LEAST, _STEP = 1.0, 5e-4, 0.03
@@ -38,9 +42,15 @@ _MORE, _LEAST, _STEP = 1.0, 5e-4, 0.03
 
 
 def margins_over(
-    band: Band, names: Mapping[VariantId, str], duration: float, backoff: Mapping[RowId, float]
+    band: Band,
+    names: Mapping[VariantId, str],
+    duration: float,
+    backoff: Mapping[RowId, float],
+    growths: Mapping[RowId, float] = MappingProxyType({}),
 ) -> dict[RowId, Margin]:
     """Margins of the rows of a problem that are what the band adds to those of a judged motion.
+
+    Of a height of second order the problem has the linear part, on which less is enough.
 
     Args:
         band: as judged.
@@ -48,14 +58,15 @@ def margins_over(
         duration: of the motion, s.
         backoff: of the rows of the problem. With a margin that leaves a row on the final state next to nothing beside
             that, waves would have to be gone to the last, for which solves take longest, most of them in vain.
+        growths: of heights of second order how much more they fall than their linear parts; 1 of other rows.
     """
     found: dict[RowId, Margin] = {}
     for row, added in band.added.items():
         at_end = row.constraint in END_NAMES
         times = np.linspace(band.t[0], band.t[-1], len(added)) / duration
-        for own in _of_members(row, names):
+        for own in of_members(row, names):
             most = min(_MOST_AT_END, max(_MOST_IN_ALL - backoff.get(own, 0.0), 0.0)) if at_end else _MOST
-            found[own] = Margin(times, np.minimum(added, most))
+            found[own] = Margin(times, np.minimum(added / growths.get(own, 1.0), most))
     return found
 
 
@@ -85,7 +96,7 @@ def _kept_before(margin: Margin, before: Margin | None) -> np.ndarray:
     return before.kept if len(margin.kept) == 1 else np.interp(margin.share, before.share, before.kept)
 
 
-def _of_members(row: RowId, names: Mapping[VariantId, str]) -> list[RowId]:
+def of_members(row: RowId, names: Mapping[VariantId, str]) -> list[RowId]:
     """The rows of the problem that a row of the certificate stands for; itself, where it is about no object there."""
     own = [RowId(row.constraint, label) for (name, _), label in names.items() if name == row.subject]
     return own or [row]
@@ -94,18 +105,52 @@ def _of_members(row: RowId, names: Mapping[VariantId, str]) -> list[RowId]:
 def joining(band: Band, names: Mapping[VariantId, str]) -> frozenset[RowId]:
     """Rows that come near their limits over the band."""
     near = (row for row, use in band.use.items() if use > _JOINS)
-    return frozenset(own for row in near for own in _of_members(row, names))
+    return frozenset(own for row in near for own in of_members(row, names))
 
 
-def raised_backoff(backoff: Mapping[RowId, float], band: Band, names: Mapping[VariantId, str]) -> dict[RowId, float]:
-    """Back-off of every row, more where a row is over its limit although its margins were kept."""
+def raised_backoff(
+    backoff: Mapping[RowId, float],
+    band: Band,
+    names: Mapping[VariantId, str],
+    growths: Mapping[RowId, float] = MappingProxyType({}),
+) -> dict[RowId, float]:
+    """Back-off of every row, more where a row is over its limit although its margins were kept.
+
+    Arguments as of `margins_over`.
+    """
     raised = dict(backoff)
     for row, use in band.use.items():
         if use > 1.0 and row.constraint not in END_NAMES:
-            for own in _of_members(row, names):
+            for own in of_members(row, names):
                 if own in raised:
-                    raised[own] += min(_MORE * (use - 1.0) + _LEAST, _STEP, (1.0 - raised[own]) / 2)
+                    more = _MORE * (use - 1.0) / growths.get(own, 1.0) + _LEAST
+                    raised[own] += min(more, _STEP, (1.0 - raised[own]) / 2)
     return raised
+
+
+def lowered_at_end(
+    backoff: Mapping[RowId, float], band: Band, planned: Mapping[RowId, float], names: Mapping[VariantId, str]
+) -> dict[RowId, float]:
+    """More back-off of rows on the final state that are over by what the motion as planned leaves, not by lateness.
+
+    Args:
+        backoff: of every row of the problem.
+        band: of its answer.
+        planned: its uses without the band, by the names in the problem.
+        names: as of `margins_over`.
+    """
+    found: dict[RowId, float] = {}
+    for own, use in uses_over(band, names).items():
+        kept, part = backoff.get(own, 1.0), planned.get(own, 0.0)
+        if own.constraint in END_NAMES and use > 1.0 and part > _OWN * use and kept < _MOST_BACKOFF:
+            left = 1.0 - kept - min(use - part, _MOST_AT_END)
+            found[own] = min(kept + _STEEPER * max(left, 0.0) * (use - _AIM) / part, _MOST_BACKOFF)
+    return found
+
+
+def uses_over(band: Band, names: Mapping[VariantId, str]) -> dict[RowId, float]:
+    """The largest use of every row over the band, by the names in the problem."""
+    return {own: use for row, use in band.use.items() for own in of_members(row, names)}
 
 
 def require_band(scene: Scene, judgement: Judgement, *, ended: bool) -> None:

@@ -8,6 +8,7 @@ from nospill.potential_flow.crests import Crests as Crests
 from nospill.potential_flow.crests import SecondOrder as SecondOrder
 from nospill.potential_flow.crests import crests_along as crests_along
 from nospill.potential_flow.crests import second_order_along as second_order_along
+from nospill.potential_flow.driven import STEP_ANGLE as STEP_ANGLE
 from nospill.potential_flow.driven import Driven as Driven
 from nospill.potential_flow.driven import driven as driven
 from nospill.potential_flow.driven import height_gains as height_gains

@@ -24,7 +24,7 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.containers.cylinder import Cylinder
 from nospill.scene.sloshing.modes import Oscillator
 
-_STEP_ANGLE = 0.04
+STEP_ANGLE = 0.04
 """Largest step, rad of the fastest mode: 0.01 % of what drives it is lost, and little of what jerks do within one."""
 _STANDS_STILL = 1e-9
 """rad/s; a mode this slow is not told from one without stiffness."""
@@ -132,6 +132,9 @@ def second_order_states(
     velocity: np.ndarray,
     step: float,
     start: np.ndarray | None = None,
+    *,
+    motions: int = 1,
+    step_angle: float = STEP_ANGLE,
 ) -> np.ndarray:
     """Heights, m, and own velocities, m/s, of the second order in the modes of the basin, (m, 2, J).
 
@@ -144,16 +147,22 @@ def second_order_states(
         velocity: (m, k) likewise, m/s.
         step: between the instants, s.
         start: (2, J) when it begins; at rest when left out.
+        motions: how many of one length follow one another in the instants, each of which begins so.
+        step_angle: largest step of the integration, rad of the fastest mode.
     """
-    basin, count = liquid.terms.basin, len(displacement)
-    every = max(int(_STEP_ANGLE / (float(np.max(basin.frequency)) * step)), 1)
-    picked = np.append(np.arange(0, count - 1, every), count - 1)
+    basin, count = liquid.terms.basin, len(displacement) // motions
+    every = max(int(step_angle / (float(np.max(basin.frequency)) * step)), 1)
+    own = np.append(np.arange(0, count - 1, every), count - 1)
+    picked = (count * np.arange(motions)[:, None] + own).ravel()
     rows = rows_at(body[:, picked], np.array([0.0, 0.0, basin.depth]))
     first = _states(liquid, rows, displacement[picked], velocity[picked])
     sources = liquid.interactions.sources(first, rows)
     begin = np.zeros((2, len(liquid.terms.stiffness))) if start is None else start
-    states = _integrated(liquid, sources, rows, step * np.diff(picked), begin).reshape(len(picked), -1)
-    return (states if len(picked) == count else _between(states, picked, every)).reshape(count, 2, -1)
+    states = _integrated(liquid, sources, rows, step * np.diff(own), begin, motions)
+    if len(own) < count:
+        of_each = states.reshape(motions, len(own), -1)
+        states = np.concatenate([_between(of_motion, own, every) for of_motion in of_each])
+    return states.reshape(motions * count, 2, -1)
 
 
 def _between(states: np.ndarray, picked: np.ndarray, every: int) -> np.ndarray:
@@ -185,11 +194,16 @@ def _states(liquid: Driven, rows: np.ndarray, displacement: np.ndarray, velocity
 
 
 def _integrated(
-    liquid: Driven, sources: np.ndarray, rows: np.ndarray, steps: np.ndarray, begin: np.ndarray
+    liquid: Driven, sources: np.ndarray, rows: np.ndarray, steps: np.ndarray, begin: np.ndarray, motions: int
 ) -> np.ndarray:
-    """States (m, 2, J), heights and own velocities, that sources (m, 2, J) make from that at the beginning, (2, J)."""
-    terms, h = liquid.terms, steps[:, None]
-    turn = np.concatenate([[0.0], np.cumsum((rows[2][:-1] + rows[2][1:]) / 2 * steps)])
+    """States (m, 2, J), heights and own velocities, that sources (m, 2, J) make from that at the beginning, (2, J).
+
+    Some motions follow one another, with the same steps each; between two of them all begins anew.
+    """
+    terms, count = liquid.terms, len(steps) + 1
+    turn = np.zeros((motions, count))
+    spin = rows[2].reshape(motions, count)
+    turn[:, 1:] = np.cumsum((spin[:, :-1] + spin[:, 1:]) / 2 * steps, axis=1)
     still = np.exp(1j * np.outer(turn, liquid.diameters))  # from the cup's axes to those that do not turn
     pushes = np.stack([sources[:, 0], -sources[:, 1] - terms.friction * sources[:, 0]]) @ liquid.axes * still
     of_pair = np.argmax(np.abs(liquid.axes), axis=0)
@@ -197,6 +211,7 @@ def _integrated(
     decay, force = terms.friction[of_pair] * kappa / 2, (rows[8][:-1] + rows[8][1:])[:, None] / 2
     root = np.sqrt((kappa * force - decay**2).astype(complex))
     root = np.where(np.abs(root) < _STANDS_STILL, _STANDS_STILL, root)
+    h = np.tile(np.append(steps, 0.0), motions)[:-1, None]
     fade = np.exp(-decay * h)
     cosine, sine = np.real(fade * np.cos(root * h)), np.real(fade * np.sin(root * h) / root)
     onwards = np.stack([cosine + decay * sine, kappa * sine, -force * sine, cosine - decay * sine], axis=1)
@@ -204,7 +219,9 @@ def _integrated(
     before, after = h / 2 * pushes[:, :-1], h / 2 * pushes[:, 1:]
     pushed = np.einsum("kxyl,ykl->kxl", onwards, before) + np.moveaxis(after, 1, 0)
     scale = np.stack([np.ones_like(kappa), kappa])
-    states = recursion(onwards, pushed, begin @ liquid.axes / scale)
+    at_first, anew = begin @ liquid.axes / scale, slice(count - 1, None, count)
+    onwards[anew], pushed[anew] = 0.0, at_first
+    states = recursion(onwards, pushed, at_first)
     found = states * scale * still.conj()[:, None]
     return np.real(found @ liquid.axes.conj().T)
 

@@ -327,17 +327,17 @@ def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
             f'residual_height = "{residual}" is stated where slosh heights are linear; leave it out, or state '
             'slosh_height = "second order" to see what is in the way'
         )
+    if residual != "linear" and scenario.tolerance is not None and scenario.tolerance.has_band:
+        raise ScenarioError(
+            f'residual_height = "{residual}" and tolerance.tracking are stated together: over a band of arms heights '
+            'after the end are those of the modes alone; write residual_height = "linear", or leave tracking out'
+        )
     if scenario.motion.slosh_height != "second order":
         return
     if scenario.fidelity != "full":
         raise ScenarioError(
             'slosh_height = "second order" and fidelity = "deliverable" are stated together: the published physics are '
             "linear; leave one of them out"
-        )
-    if scenario.tolerance is not None and scenario.tolerance.has_band:
-        raise ScenarioError(
-            'slosh_height = "second order" and tolerance.tracking are stated together: over a band of arms heights are '
-            'followed to the first order alone; write slosh_height = "linear", or leave tracking out'
         )
     for item in cargo:
         reason = linear_since(item)
@@ -355,8 +355,6 @@ def _height_order(scenario: Scenario) -> tuple[HeightOrder, str]:
     stated = scenario.motion.slosh_height
     if stated is not None:
         return stated, "" if stated == "second order" else "motion.slosh_height says so"
-    if scenario.tolerance is not None and scenario.tolerance.has_band:
-        return "linear", "over a band of arms, tolerance.tracking, heights are followed to the first order alone"
     if scenario.motion.speed_range is not None:
         return "linear", "over motion.speed_range the second order is asked for only where it is stated"
     return "second order", ""
