@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from nospill.certification.flow_left import left_by_flow
+from nospill.certification.by_flow import left_by_flow
 from nospill.core.units import format_quantity
 from nospill.errors import ModelError
 from nospill.laws.constraints.residual_height import ResidualHeight
