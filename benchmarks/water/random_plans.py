@@ -41,14 +41,18 @@ ALLOWED = {"crest": ((0.3, 1.03), (0.45, 1.08)), "left": ((0.3, 1.1),)}
 
 
 def scene_of(seed: int, residual: str, seconds: float, height: str = _SECOND) -> Scene | None:
-    """A seed's scenario with the full physics; None where no liquid of it is judged to the second order."""
+    """A seed's scenario with the full physics; None where no liquid of it is judged to that order."""
     drawn = draw_case(seed).table
     drawn["planning"].pop("slosh_modes", None)  # the campaign's one mode saves time; the certificate is to see them all
     scene = scene_from_table(drawn, name=str(seed))
     if not any(item.filling and linear_since(item) is None for item in scene.cargo):
         return None
     wanted = {"fidelity": "full", "planning.max_plan_time": seconds, "motion.residual_height": residual}
-    return scene.changed(wanted if height == _SECOND else {**wanted, "motion.slosh_height": height})
+    if height == _SECOND:
+        return scene.changed(wanted)
+    if any(linear_since(item) for item in scene.cargo):  # a stated order is refused where one liquid has none
+        return None
+    return scene.changed({**wanted, "motion.slosh_height": height})
 
 
 def followed(seed: int, scene: Scene, orders: Mapping[str, str], keep: Path | None = None) -> dict[str, Any]:

@@ -146,7 +146,7 @@ def test_a_flow_that_breaks_down_is_told_apart(
     again = replace(judgement.replay)  # whose flow is not kept
     over = replace(judgement, replay=again, certificate=replace(judgement.certificate, rows=rows))
     (warning,) = [item for item in plan_warnings(scene, over, {}) if item.name == "flow"]
-    assert warning.subject == "cup" and "breaks down at 0.62 s" in warning.text
+    assert warning.subject == "cup" and "breaks down at 0.62 s" in warning.text and "counts as" in warning.text
     assert not [item for item in plan_warnings(scene, judgement, {}) if item.name == "flow"]
 
 

@@ -39,7 +39,6 @@ class Left:
         state: (2, J) heights, m, and potentials, m^2/s, of these; NaN where the flow broke down.
         displacement: (k,) of the modal masses, m; of those is read what the flow does not carry.
         velocity: (k,) likewise, m/s.
-        breaks_at: when the flow broke down, s; None of one that went through.
     """
 
     cargo: Cargo
@@ -47,7 +46,6 @@ class Left:
     state: np.ndarray
     displacement: np.ndarray
     velocity: np.ndarray
-    breaks_at: float | None = None
 
     def crests(self, t: np.ndarray) -> np.ndarray:
         """Greatest heights round the wall (n,), m, at times (n,), s, since then.
@@ -126,9 +124,21 @@ def left_by_flow(scene: Scene, played: Replay, index: int) -> dict[str, Left]:
             flow.end,
             played.slosh_displacement[index, own],
             played.slosh_velocity[index, own],
-            flow.breaks_at,
         )
         for (cargo, own), flow in zip(followed, flows, strict=True)
+    }
+
+
+def broken_flows(scene: Scene, played: Replay) -> dict[str, tuple[float, float]]:
+    """Of every liquid whose flow breaks down when that is, s, and as what its height counts from there on, m."""
+    if "nonlinear" not in (scene.motion.slosh_height, scene.motion.residual_height):
+        return {}
+    followed = _followed(scene, "nonlinear")
+    flows = _flows_along(tuple(_Itself(cargo) for cargo, _ in followed), _Itself(played), len(played.t) - 1)
+    return {
+        cargo.name: (flow.breaks_at, greatest_height(flow_terms(cargo).basin))
+        for (cargo, _), flow in zip(followed, flows, strict=True)
+        if flow.breaks_at is not None
     }
 
 
