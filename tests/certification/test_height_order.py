@@ -73,11 +73,13 @@ def test_what_is_linear_is_said_with_its_reason(name: str, changes: dict[str, ob
     }
 
 
-def test_whose_residual_heights_the_nonlinear_flow_judges_is_said() -> None:
+def test_whose_heights_the_nonlinear_flow_judges_is_said() -> None:
     scene = read_scenario("mixed-tray")
     asked = {"motion.residual_height": "nonlinear"}
     assert flow_note(scene) == ""
-    assert flow_note(scene.changed(asked)).endswith("nonlinear flow: cup, mug; others as their slosh heights")
+    assert flow_note(scene.changed(asked)).endswith("nonlinear flow: cup, mug; others to the second order")
+    both = flow_note(scene.changed({**asked, "motion.slosh_height": "nonlinear"}))
+    assert both.startswith("slosh height and residual height by the nonlinear flow: cup, mug")
     swinging = dict.fromkeys(("cargo.cup.initial_swing", "cargo.mug.initial_swing"), _SWING)
     assert "of no liquid" in flow_note(scene.changed({**asked, **swinging}))
 

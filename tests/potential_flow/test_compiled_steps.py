@@ -16,7 +16,7 @@ from nospill.potential_flow.basin import COARSE, FINE, basin_of
 from nospill.potential_flow.compiled_steps import Steps, compiled_steps
 from nospill.potential_flow.nonlinear import full_flow
 from nospill.potential_flow.orders import LinearTerms, linear_terms
-from nospill.potential_flow.solving import flow_ends, whole_flow
+from nospill.potential_flow.solving import flow_states, whole_flow
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from tests.hasty import COMPILER
 from tests.waters import STILL, cup, tub
@@ -132,10 +132,10 @@ def _pushed(count: int) -> np.ndarray:
 def test_flows_end_where_they_end_by_law(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     terms, rows = _terms(COARSE), _pushed(400)[:, : 2 * count + 1]
     start = np.zeros((2, len(terms.stiffness)))
-    states, (ends, reached) = whole_flow(terms, start, rows, STEP), flow_ends(terms, rows[..., None], STEP)
+    states, (ends, reached) = whole_flow(terms, start, rows, STEP), flow_states(terms, rows[..., None], STEP)
     monkeypatch.setenv("NOSPILL_COMPILE", "off")
     assert compiled_steps(terms) is None
-    expected, (others, steps) = whole_flow(terms, start, rows, STEP), flow_ends(terms, rows[..., None], STEP)
+    expected, (others, steps) = whole_flow(terms, start, rows, STEP), flow_states(terms, rows[..., None], STEP)
     assert len(states) == len(expected) == steps[0] + 1 == reached[0] + 1
     assert (len(states) == count + 1) == (count == 90)
     np.testing.assert_allclose(states[:80], expected[:80], atol=1e-10 * np.max(np.abs(expected[:80])))

@@ -44,20 +44,22 @@ def height_note(scene: Scene) -> str:
 
 
 def flow_note(scene: Scene) -> str:
-    """Whose heights after the end are judged by the nonlinear flow, where the scenario asks for it; empty elsewhere.
+    """Whose heights are judged by the nonlinear flow, where the scenario asks for it; empty elsewhere.
 
-    "residual height by the nonlinear flow: cup, mug; others as their slosh heights".
+    "slosh height and residual height by the nonlinear flow: cup, mug; others to the second order".
     """
     rules = scene.motion
-    if scene.fidelity != "full" or rules.residual_height != "nonlinear":
+    asked = [(SloshHeight.name, rules.slosh_height), (ResidualHeight.name, rules.residual_height)]
+    which = " and ".join(name for name, order in asked if order == "nonlinear")
+    if scene.fidelity != "full" or not which:
         return ""
-    found = [] if rules.stop else [c for c in scene.cargo if by_nonlinear_flow(c, rules.slosh_height, "nonlinear")]
+    found = [] if rules.stop else [item for item in scene.cargo if by_nonlinear_flow(item, "nonlinear")]
     if not found:
-        return f"{ResidualHeight.name}: of no liquid by the nonlinear flow, which is of upright cups that begin at rest"
+        return f"{which}: of no liquid by the nonlinear flow, which is of upright cups that begin at rest"
     names, liquids = [item.title for item in found], height_orders(scene)
-    others = "; others as their slosh heights" if len(found) < len(liquids) else ""
+    others = "; others to the second order" if len(found) < len(liquids) else ""
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return f"{ResidualHeight.name} by the nonlinear flow: {', '.join(names[:_NAMED])}{more}{others}"
+    return f"{which} by the nonlinear flow: {', '.join(names[:_NAMED])}{more}{others}"
 
 
 def height_sentence(scene: Scene) -> str:

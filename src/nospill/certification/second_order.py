@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.certification.flow_left import Left, left_by_flow
+from nospill.certification.by_flow import Left, crests_by_flow, left_by_flow
 from nospill.certification.replay import Replay
 from nospill.certification.verdict import Trace
-from nospill.certification.wall_heights import INSTANTS, highest_on_wall
+from nospill.certification.wall_heights import INSTANTS, highest_on_wall, linear_heights
 from nospill.core.units import as_written
 from nospill.errors import ModelError
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -24,19 +24,19 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.potential_flow import STEP_ANGLE, Driven, driven, rows_at, second_order_states
-from nospill.scene.cargo import Cargo, Filling
+from nospill.scene.cargo import Cargo
 from nospill.scene.heights import to_second_order
 from nospill.scene.scene import Scene
-from nospill.scene.sloshing.modes import wall_gains
 
 
 def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> tuple[Trace, ...]:
-    """The traces, where the scene asks for it those of heights to the second order.
+    """The traces, where the scene asks for it those of heights to the second order or by the nonlinear flow.
 
     Slosh heights have the grid of the replay, residual heights instants from which the tray stands. What a stop leaves
     stays that of the modes.
     """
     liquids, waves, flows = _liquids(scene), dict[str, Waves](), dict[int, dict[str, Left]]()
+    crests = crests_by_flow(scene, played)
 
     def left(name: str, index: int) -> float:
         if index not in flows:
@@ -50,7 +50,8 @@ def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> 
 
     def judged(trace: Trace) -> Trace:
         if trace.constraint == SloshHeight.name:
-            value = followed_waves(trace.subject).crests
+            of_flow = crests.get(trace.subject)
+            value = followed_waves(trace.subject).crests if of_flow is None else of_flow
         else:
             standing = np.clip(np.searchsorted(played.t, trace.t - 0.5 / played.rate), 0, len(played.t) - 1)
             value = np.array([left(trace.subject, int(index)) for index in standing])
@@ -199,7 +200,7 @@ def waves_along(
     added = second_order_states(
         liquid, own, displacement, velocity, step, begin, motions=motions, step_angle=step_angle
     )
-    linear, yaw = _linear_heights(filling, own, displacement)
+    linear, yaw = linear_heights(filling, own, displacement)
     crests = highest_on_wall(cargo, liquid.terms.basin.modes, linear, added[:, 0]) + yaw
     return Waves(cargo, displacement, velocity, added, crests)
 
@@ -217,16 +218,3 @@ def _beginning(cargo: Cargo, liquid: Driven) -> np.ndarray:
             )
         begin[:, :count] = swing.second_height, swing.second_velocity
     return begin
-
-
-def _linear_heights(filling: Filling, body: np.ndarray, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Heights along x and y (m, 2), and what yaw modes add at most (m,), as `laws.slosh.height` has them."""
-    gains = wall_gains(filling.oscillators)
-    force = rows_at(body, np.array([0.0, 0.0, filling.liquid_height]))[6:]
-    linear = displacement @ gains[:2].T - filling.modes.static_correction * (force[:2] / force[2]).T
-    if not np.any(gains[2:]) and not (filling.turns and filling.modes.yaw is not None):
-        return linear, np.zeros(len(linear))
-    yaw = displacement @ gains[2:].T
-    if filling.turns and filling.modes.yaw is not None:
-        yaw = yaw - np.outer(body[5] / force[2], filling.modes.yaw.static_correction)
-    return linear, np.max(np.abs(yaw), axis=1)

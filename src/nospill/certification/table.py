@@ -73,7 +73,7 @@ def certificate_notes(certificate: Certificate, scene: Scene, *, everything: boo
     """The sentences below the table: checks of the file, self-collision, rims, and what the full model sees."""
     rims = rim_line(rim_distances(scene, certificate.rows))
     heights, note = (
-        (linear_heights_line(certificate.rows), height_note(scene), flow_note(scene)),
+        (linear_heights_line(certificate.rows, scene.motion.slosh_height), height_note(scene), flow_note(scene)),
         full_model_note(certificate),
     )
     return [

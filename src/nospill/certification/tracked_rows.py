@@ -211,13 +211,11 @@ def without_reserve(replay: Replay, scene: Scene, rows: Sequence[Row]) -> dict[R
 
 
 def _without_flow(scene: Scene) -> Scene:
-    """The scene with heights after the end of second order where it has those of the nonlinear flow.
+    """The scene with heights of second order where it has those of the nonlinear flow.
 
     Many replays are looked at for what happens first, and what is left after the end seldom does.
     """
-    if scene.motion.residual_height != "nonlinear":
-        return scene
-    return replace(scene, motion=replace(scene.motion, residual_height="second order"))
+    return replace(scene, motion=scene.motion.without_flow)
 
 
 def _without_reserves(item: Cargo) -> Cargo:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from nospill.potential_flow import rows_at
 from nospill.potential_flow.surface_modes import SurfaceModes
-from nospill.scene.cargo import Cargo
+from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.containers.cylinder import Cylinder
+from nospill.scene.sloshing.modes import wall_gains
 
 AFTER_END = 4.0
 """s after the end in which the surface is looked at; what is left fades, if slowly, and in that time
@@ -32,3 +34,16 @@ def highest_on_wall(cargo: Cargo, modes: SurfaceModes, linear: np.ndarray, added
         part = slice(first, first + _AT_ONCE)
         highest[part] = np.max(shapes @ heights[:, part], axis=0)
     return highest
+
+
+def linear_heights(filling: Filling, body: np.ndarray, displacement: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Heights along x and y (m, 2), and what yaw modes add at most (m,), as `laws.slosh.height` has them."""
+    gains = wall_gains(filling.oscillators)
+    force = rows_at(body, np.array([0.0, 0.0, filling.liquid_height]))[6:]
+    linear = displacement @ gains[:2].T - filling.modes.static_correction * (force[:2] / force[2]).T
+    if not np.any(gains[2:]) and not (filling.turns and filling.modes.yaw is not None):
+        return linear, np.zeros(len(linear))
+    yaw = displacement @ gains[2:].T
+    if filling.turns and filling.modes.yaw is not None:
+        yaw = yaw - np.outer(body[5] / force[2], filling.modes.yaw.static_correction)
+    return linear, np.max(np.abs(yaw), axis=1)

@@ -19,6 +19,7 @@ from nospill.laws.constraints.slip import Slip
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tip import Tip
 from nospill.laws.constraints.twist import Twist
+from nospill.scene.heights import HeightOrder
 from nospill.scene.scene import FULL_MODES
 
 _DENSE = 200.0
@@ -189,8 +190,8 @@ def full_model_note(certificate: Certificate) -> str:
     return f"{who} " + "; ".join(heights + others)
 
 
-def linear_heights_line(rows: Iterable[Row]) -> str:
-    """The linear heights of the liquids whose rows are of second order, in one line; nothing where there are none.
+def linear_heights_line(rows: Iterable[Row], order: HeightOrder = "second order") -> str:
+    """The linear heights of the liquids whose rows are of second order or more, in one line; empty where none are.
 
     "slosh heights are of second order; linear: c1 9.6 mm (after the end 0.8), c2 10.8 mm (after the end 0.7)", or
     "slosh heights are of second order, residual heights linear; linear: c1 9.6 mm".
@@ -204,7 +205,8 @@ def linear_heights_line(rows: Iterable[Row]) -> str:
     found = ", ".join(f"{label} {' '.join(heights)}" for label, heights in [*linear.items()][:_NAMED])
     more = f" and {len(linear) - _NAMED} more" if len(linear) > _NAMED else ""
     after = ", residual heights linear" if left.intersection(linear) else ""
-    return f"slosh heights are of second order{after}; linear: {found}{more}" if linear else ""
+    are = "by the nonlinear flow where it is known" if order == "nonlinear" else "of second order"
+    return f"slosh heights are {are}{after}; linear: {found}{more}" if linear else ""
 
 
 def remedy(row: Row, rate: float) -> str:

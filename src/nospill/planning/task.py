@@ -147,18 +147,17 @@ class Task:
         motion, alone = self.scene.motion, min(self.speeds.values(), default=1.0) == 1.0
         if motion.stop or not alone or self.scene.initial_state is not None or self.scene.planned_modes < 2:
             return frozenset()
-        order, left = motion.slosh_height, motion.residual_height
-        return frozenset(item.name for item in self.scene.cargo if by_nonlinear_flow(item, order, left))
+        return frozenset(item.name for item in self.scene.cargo if by_nonlinear_flow(item, motion.residual_height))
 
     def judged_scene(self, refined: Collection[str]) -> Scene:
         """The scene that a motion is judged for.
 
-        Of a problem without the modes that drive waves of second order, and where smoothness alone stills them, what is
-        left of those is looked at to that order: the motion is so rough that its flow says little.
+        Of a problem without the modes that drive waves of second order, and where smoothness alone stills them, heights
+        by the nonlinear flow are looked at to that order: the motion is so rough that its flow says little.
         """
-        if not self.by_flow or (refined and not self.smooth_alone):
+        if self.scene.planned_modes < 2 or (refined and not self.smooth_alone):
             return self.scene
-        return replace(self.scene, motion=replace(self.scene.motion, residual_height="second order"))
+        return replace(self.scene, motion=self.scene.motion.without_flow)
 
     def _refined(self, variant: Variant, modes: int) -> Variant:
         refined = _with_excited_modes(variant, modes)

@@ -1,7 +1,5 @@
 """Potential flow of the liquid in an upright prism on a moving tray: to the first and second order, and in full."""
 
-from nospill.potential_flow.at_end import flow_terms as flow_terms
-from nospill.potential_flow.at_end import states_at_end as states_at_end
 from nospill.potential_flow.basin import driven_shapes as driven_shapes
 from nospill.potential_flow.courses import BodyRows as BodyRows
 from nospill.potential_flow.crests import Crests as Crests
@@ -13,5 +11,7 @@ from nospill.potential_flow.driven import Driven as Driven
 from nospill.potential_flow.driven import driven as driven
 from nospill.potential_flow.driven import height_gains as height_gains
 from nospill.potential_flow.driven import second_order_states as second_order_states
+from nospill.potential_flow.flow_along import flow_terms as flow_terms
+from nospill.potential_flow.flow_along import flows_along as flows_along
 from nospill.potential_flow.integration import rows_at as rows_at
 from nospill.potential_flow.solving import greatest_height as greatest_height

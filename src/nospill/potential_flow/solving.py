@@ -70,8 +70,8 @@ def whole_flow(terms: LinearTerms, start: np.ndarray, rows: np.ndarray, step: fl
     return np.concatenate(parts)[:, 0]
 
 
-def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """States (c, 2, J) of the full flow at the end of a motion that c like containers begin at rest.
+def flow_states(terms: LinearTerms, rows: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """States (m + 1, c, 2, J) of the full flow along a motion that c like containers begin at rest.
 
     Args:
         terms: of the basin of each.
@@ -79,17 +79,20 @@ def flow_ends(terms: LinearTerms, rows: np.ndarray, step: float) -> tuple[np.nda
         step: s.
 
     Returns:
-        Them, NaN for a container whose flow breaks down, and the steps (c,) that each goes through.
+        Them, NaN from where the flow of a container has broken down on, and the steps (c,) that each goes through.
     """
-    state = np.zeros((rows.shape[2], 2, len(terms.stiffness)))
-    reached, gone = np.full(len(state), rows.shape[1] // 2), 0
-    for states, holds in _followed(terms, state, rows, step):
-        lost = ~np.all(holds, axis=0)
+    count, places = rows.shape[1] // 2, rows.shape[2]
+    found = np.full((count + 1, places, 2, len(terms.stiffness)), np.nan)
+    found[0] = 0.0
+    reached, gone = np.full(places, count), 0
+    for states, holds in _followed(terms, found[0], rows, step):
+        found[gone + 1 : gone + len(states)] = states[1:]
         through = np.maximum(gone + np.argmin(holds, axis=0) - 1, 0)
-        reached = np.where(lost, np.minimum(reached, through), reached)
-        state = np.where(lost[:, None, None], np.nan, states[-1])
+        reached = np.where(np.all(holds, axis=0), reached, np.minimum(reached, through))
         gone += len(states) - 1
-    return state, reached
+    for place, steps in enumerate(reached.tolist()):
+        found[steps + 1 :, place] = np.nan
+    return found, reached
 
 
 def _followed(

@@ -22,7 +22,7 @@ from nospill.scenario.path_entries import PathEntry
 from nospill.scenario.robot_entry import RobotTable
 from nospill.scenario.tables import Given, OptionalQuantities, OptionalQuantity, Quantities, Quantity, Table, default
 from nospill.scenario.tracking_entry import ToleranceTable
-from nospill.scene.heights import HeightOrder, ResidualOrder
+from nospill.scene.heights import HeightOrder
 from nospill.scene.scene import FULL_MODES, EndCondition, Fidelity
 from nospill.scene.tray import Tray
 
@@ -132,15 +132,15 @@ class MotionTable(Table):
         HeightOrder | None,
         Field(
             description="what max_slosh_height bounds: the linear height, or, at full fidelity and in upright "
-            "cylinders and boxes, that of second order, to which real crests are nearer; when left out the second "
-            "where it is known, and the certificate says where not"
+            "cylinders and boxes, that of second order, to which real crests are nearer, or in cylinders that of the "
+            "nonlinear flow; when left out the second where it is known, and the certificate says where not"
         ),
     ] = None
     residual_height: Annotated[
-        ResidualOrder,
+        HeightOrder,
         Field(
-            description="what residual_fraction bounds: the linear height after the end, or, where slosh_height is of "
-            "second order, that of second order or that of the nonlinear flow"
+            description="what residual_fraction bounds: the linear height after the end, or, where slosh_height is "
+            "not linear, that of second order or that of the nonlinear flow"
         ),
     ] = "linear"
     duration: Annotated[

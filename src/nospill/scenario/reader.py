@@ -320,30 +320,36 @@ def _check_motion(scenario: Scenario) -> None:
 
 
 def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
-    """Refuse heights of second order, and after the end of the nonlinear flow, where the scene has none."""
-    residual = scenario.motion.residual_height
-    if residual != "linear" and _height_order(scenario)[0] != "second order":
+    """Refuse heights of second order and of the nonlinear flow where the scene has none."""
+    residual, stated = scenario.motion.residual_height, scenario.motion.slosh_height
+    if residual != "linear" and _height_order(scenario)[0] == "linear":
         raise ScenarioError(
             f'residual_height = "{residual}" is stated where slosh heights are linear; leave it out, or state '
             'slosh_height = "second order" to see what is in the way'
         )
-    if residual != "linear" and scenario.tolerance is not None and scenario.tolerance.has_band:
+    over_band = scenario.tolerance is not None and scenario.tolerance.has_band
+    if residual != "linear" and over_band:
         raise ScenarioError(
             f'residual_height = "{residual}" and tolerance.tracking are stated together: over a band of arms heights '
             'after the end are those of the modes alone; write residual_height = "linear", or leave tracking out'
         )
-    if scenario.motion.slosh_height != "second order":
+    if stated == "nonlinear" and over_band:
+        raise ScenarioError(
+            'slosh_height = "nonlinear" and tolerance.tracking are stated together: over a band of arms heights are of '
+            'second order; write slosh_height = "second order", or leave tracking out'
+        )
+    if stated is None or stated == "linear":
         return
     if scenario.fidelity != "full":
         raise ScenarioError(
-            'slosh_height = "second order" and fidelity = "deliverable" are stated together: the published physics are '
+            f'slosh_height = "{stated}" and fidelity = "deliverable" are stated together: the published physics are '
             "linear; leave one of them out"
         )
     for item in cargo:
         reason = linear_since(item)
         if reason is not None:
             raise ScenarioError(
-                f'slosh_height = "second order": it is not known of {as_written(item.name)}, for {reason}; write '
+                f'slosh_height = "{stated}": it is not known of {as_written(item.name)}, for {reason}; write '
                 'slosh_height = "linear"'
             )
 
@@ -354,7 +360,7 @@ def _height_order(scenario: Scenario) -> tuple[HeightOrder, str]:
         return "linear", ""
     stated = scenario.motion.slosh_height
     if stated is not None:
-        return stated, "" if stated == "second order" else "motion.slosh_height says so"
+        return stated, "motion.slosh_height says so" if stated == "linear" else ""
     if scenario.motion.speed_range is not None:
         return "linear", "over motion.speed_range the second order is asked for only where it is stated"
     return "second order", ""

@@ -8,9 +8,8 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.containers.box import Box
 from nospill.scene.containers.cylinder import Cylinder
 
-HeightOrder = Literal["linear", "second order"]
-ResidualOrder = Literal["linear", "second order", "nonlinear"]
-"""Of heights after the end; nonlinear is by the flow in full."""
+HeightOrder = Literal["linear", "second order", "nonlinear"]
+"""Of heights during the motion or after its end; nonlinear is by the flow in full."""
 
 
 def unsupported(cargo: Cargo) -> str | None:
@@ -42,19 +41,19 @@ def linear_since(cargo: Cargo) -> str | None:
     return reason
 
 
-def by_nonlinear_flow(cargo: Cargo, order: HeightOrder, residual: ResidualOrder) -> bool:
-    """Whether what is left of an object's liquid is judged by the nonlinear flow where the scene says both orders.
+def by_nonlinear_flow(cargo: Cargo, order: HeightOrder) -> bool:
+    """Whether a height of an object's liquid is judged by the nonlinear flow where the scene says `order` of it.
 
     Of upright cups, the liquid as stated, at the planned speed and from rest; others are judged to the second order.
     """
     filling = cargo.filling
-    asked = residual == "nonlinear" and isinstance(cargo.container, Cylinder)
+    asked = order == "nonlinear" and isinstance(cargo.container, Cylinder)
     if not asked or filling is None or not to_second_order(cargo, order):
         return False
     return filling.initial_swing is None and filling.frequency_factor == 1.0 and not cargo.is_slowed
 
 
 def to_second_order(cargo: Cargo, order: HeightOrder) -> bool:
-    """Whether the height of an object's liquid is judged to the second order where the scene says `order`."""
+    """Whether the height of an object's liquid is judged to the second order or more where the scene says `order`."""
     is_open = cargo.filling is not None and not cargo.filling.lid
-    return order == "second order" and is_open and linear_since(cargo) is None
+    return order != "linear" and is_open and linear_since(cargo) is None

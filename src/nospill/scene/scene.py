@@ -18,7 +18,7 @@ from nospill.robots.robot import Robot
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.controller import Controller
-from nospill.scene.heights import HeightOrder, ResidualOrder
+from nospill.scene.heights import HeightOrder
 from nospill.scene.initial_state import InitialState
 from nospill.scene.limits import Limit, LimitRecord
 from nospill.scene.obstacles import Obstacle
@@ -93,7 +93,7 @@ class MotionRules:
     corridor_shares: tuple[float, ...] = ()
     slosh_height: HeightOrder = "linear"
     linear_since: str = ""
-    residual_height: ResidualOrder = "linear"
+    residual_height: HeightOrder = "linear"
     stop: bool = False
     stoppable: float | None = None
 
@@ -124,6 +124,13 @@ class MotionRules:
     def without_freedom(self) -> MotionRules:
         """The same on the path itself, level."""
         return replace(self.on_path(), tilt_free=False)
+
+    @property
+    def without_flow(self) -> MotionRules:
+        """The same with heights of second order where they are those of the nonlinear flow."""
+        orders = {"slosh_height": self.slosh_height, "residual_height": self.residual_height}
+        by_flow = [name for name, order in orders.items() if order == "nonlinear"]
+        return replace(self, **dict.fromkeys(by_flow, "second order")) if by_flow else self
 
     @property
     def longest(self) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from nospill.certification.flow_left import left_by_flow
+from nospill.certification.by_flow import broken_flows
 from nospill.core.units import format_quantity
 from nospill.errors import ModelError
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -102,19 +102,20 @@ def driven_by_turns(facts: Facts) -> Iterator[PlanWarning]:
 
 
 def flow(facts: Facts) -> Iterator[PlanWarning]:
-    """The nonlinear flow that judges what is left breaks down: the row is over its limit by no height of a liquid."""
-    rows = facts.judgement.certificate.rows
-    over = {row.subject for row in rows if row.constraint == ResidualHeight.name and not row.ok}
-    if not over or facts.scene.motion.residual_height != "nonlinear":
+    """The nonlinear flow that judges a height breaks down: the row is over its limit by no height of a liquid."""
+    rows, rules = facts.judgement.certificate.rows, facts.scene.motion
+    orders = {SloshHeight.name: rules.slosh_height, ResidualHeight.name: rules.residual_height}
+    over = {row.subject for row in rows if not row.ok and orders.get(row.constraint) == "nonlinear"}
+    if not over:
         return
-    for name, left in left_by_flow(facts.scene, facts.judgement.replay, -1).items():
-        if left.breaks_at is not None and name in over:
+    for name, (breaks_at, height) in broken_flows(facts.scene, facts.judgement.replay).items():
+        if name in over:
             text = (
-                f"the flow of the liquid breaks down at {left.breaks_at:.2f} s, so what is left of it is not known and "
-                f"counts as {_mm(left.highest)}; try a smaller max_slosh_height, a longer motion.duration or "
-                'motion.residual_height = "second order".'
+                f"the flow of the liquid breaks down at {breaks_at:.2f} s, so its height from there on is not known "
+                f"and counts as {_mm(height)}; try a smaller max_slosh_height, a longer motion.duration or "
+                '"second order" in the place of "nonlinear".'
             )
-            yield PlanWarning("flow", name, text, left.breaks_at)
+            yield PlanWarning("flow", name, text, breaks_at)
 
 
 def sloping_wall(facts: Facts) -> Iterator[PlanWarning]:

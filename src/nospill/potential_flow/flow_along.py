@@ -1,4 +1,4 @@
-"""The nonlinear flow of several liquids along a motion from rest: their states when the containers stand again."""
+"""The nonlinear flow of several liquids along a motion from rest."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from nospill.potential_flow.basin import basin_of
 from nospill.potential_flow.driven import LiquidKey
 from nospill.potential_flow.integration import rows_at
 from nospill.potential_flow.orders import LinearTerms, linear_terms
-from nospill.potential_flow.solving import flow_ends
+from nospill.potential_flow.solving import flow_states
 from nospill.scene.cargo import Cargo
 
 _STEP_ANGLE = 0.4
@@ -21,16 +21,24 @@ flows of a third of the radius break down that do not with smaller steps."""
 
 
 @dataclass(frozen=True, slots=True)
-class AtEnd:
-    """A liquid when its container stands again.
+class FlowAlong:
+    """A liquid along a motion.
 
     Attributes:
-        state: (2, J) heights, m, and potentials, m^2/s, in the modes of `flow_terms`; NaN where its flow breaks down.
-        breaks_at: when that is, s; None of a flow that goes through.
+        states: (n, 2, J) heights, m, and potentials, m^2/s, in the modes of `flow_terms`, at even instants from the
+            first one on, as far as the flow goes.
+        step: s, between them.
+        breaks_at: when the flow breaks down, s; None of one that goes through.
     """
 
-    state: np.ndarray
+    states: np.ndarray
+    step: float
     breaks_at: float | None
+
+    @property
+    def end(self) -> np.ndarray:
+        """(2, J) at the last instant of the motion; NaN where the flow breaks down."""
+        return self.states[-1] if self.breaks_at is None else np.full_like(self.states[-1], np.nan)
 
 
 def flow_terms(cargo: Cargo) -> LinearTerms:
@@ -43,8 +51,8 @@ def _terms_like(key: LiquidKey) -> LinearTerms:
     return linear_terms(basin_of(key.cargo))
 
 
-def states_at_end(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray) -> list[AtEnd]:
-    """Each liquid at the last instant.
+def flows_along(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray) -> list[FlowAlong]:
+    """The flow of each liquid.
 
     Args:
         objects: with the liquids, at rest at the first instant; like ones are followed together.
@@ -54,7 +62,7 @@ def states_at_end(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray) -> 
     alike: dict[LiquidKey, list[int]] = {}
     for index, cargo in enumerate(objects):
         alike.setdefault(LiquidKey(cargo), []).append(index)
-    found: dict[int, AtEnd] = {}
+    found: dict[int, FlowAlong] = {}
     for key, places in alike.items():
         terms = _terms_like(key)
         count = int(np.ceil((t[-1] - t[0]) * float(np.max(terms.basin.frequency)) / _STEP_ANGLE))
@@ -62,7 +70,9 @@ def states_at_end(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray) -> 
         rows = np.stack([np.interp(instants, t, row) for row in body])
         surface = np.array([0.0, 0.0, terms.basin.depth])
         own = [rows_at(rows_at(rows, objects[place].place, objects[place].yaw), surface) for place in places]
-        ends, reached = flow_ends(terms, np.stack(own, axis=-1), float(instants[2] - instants[0]))
-        for place, state, steps in zip(places, ends, reached.tolist(), strict=True):
-            found[place] = AtEnd(state, None if np.all(np.isfinite(state)) else float(instants[2 * steps]))
+        step = float(instants[2] - instants[0])
+        states, reached = flow_states(terms, np.stack(own, axis=-1), step)
+        for index, (place, steps) in enumerate(zip(places, reached.tolist(), strict=True)):
+            breaks_at = None if steps == count else float(instants[2 * steps])
+            found[place] = FlowAlong(states[: steps + 1, index], step, breaks_at)
     return [found[index] for index in range(len(objects))]

@@ -1,4 +1,4 @@
-"""Heights after the end by the nonlinear flow, as the judge has them, against the flow that goes on after the end."""
+"""Heights by the nonlinear flow, as the judge has them, against the flow that `nospill verify --water` follows."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill.certification import flow_left
+from nospill.certification import by_flow
+from nospill.certification.by_flow import Left, crests_by_flow, left_by_flow
 from nospill.certification.certificate import Judgement, judge_motion
-from nospill.certification.flow_left import Left, left_by_flow
-from nospill.certification.second_order import heights_after
+from nospill.certification.second_order import heights_after, with_second_order
 from nospill.errors import ScenarioError
+from nospill.laws.constraints.base import RowId
 from nospill.motion.at_speed import at_speed
 from nospill.plans.warnings import plan_warnings
-from nospill.potential_flow import crests_along, flow_terms, rows_at
-from nospill.potential_flow.at_end import AtEnd
+from nospill.potential_flow import crests_along, flow_terms, greatest_height, rows_at
+from nospill.potential_flow.flow_along import FlowAlong
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
-from nospill.scene.heights import ResidualOrder, by_nonlinear_flow
+from nospill.scene.heights import HeightOrder, by_nonlinear_flow
 from nospill.scene.scene import Scene
 from nospill.scene.swing import Swing
 from tests.waters import cup, tub
@@ -64,9 +65,57 @@ def test_boxes_and_heights_during_the_motion_stay_of_second_order(judged: tuple[
         assert row.linear_value == before[row.id].linear_value and row.limit == before[row.id].limit
 
 
+def test_crests_are_those_of_the_flow(judged: tuple[Scene, Judgement, Judgement]) -> None:
+    whole, second, _ = judged
+    scene = whole.changed({"motion.slosh_height": "nonlinear", "motion.residual_height": "linear"})
+    played = second.replay
+    crests = crests_by_flow(scene, played)
+    assert set(crests) == {"cup", "mug"}
+    for name, found in crests.items():
+        cargo = next(item for item in scene.cargo if item.name == name)
+
+        def rows(t: np.ndarray, cargo: Cargo = cargo) -> np.ndarray:
+            return rows_at(np.stack([np.interp(t, played.t, row) for row in played.body]), cargo.place, cargo.yaw)
+
+        flow = crests_along(cargo, rows, float(played.t[0]), float(played.t[-1]), after=0.0)
+        expected = np.interp(flow.t, played.t, found)
+        np.testing.assert_allclose(expected, flow.full, atol=0.01 * np.max(flow.full))
+        (row,) = [row for row in second.certificate.rows if row.id == ("slosh height", name)]
+        assert abs(np.max(found) - row.worst_value) > 0.002 * row.worst_value  # of another order than those
+
+
+def test_a_slosh_height_by_the_flow_is_judged(judged: tuple[Scene, Judgement, Judgement]) -> None:
+    whole, second, _ = judged
+    scene = whole.changed({"motion.slosh_height": "nonlinear", "motion.residual_height": "linear"})
+    traces = {trace.id: trace for trace in second.traces}
+    found = {trace.id: trace for trace in with_second_order(second.traces, scene, second.replay)}
+    crests = crests_by_flow(scene, second.replay)
+    for name in ("cup", "mug"):
+        trace = found[RowId("slosh height", name)]
+        np.testing.assert_array_equal(trace.value, crests[name])
+        np.testing.assert_allclose(trace.margin, np.abs(trace.limit) - crests[name])
+    box = RowId("slosh height", "box")
+    np.testing.assert_array_equal(found[box].value, traces[box].value)
+    stop = replace(scene, motion=replace(scene.motion, stop=True))
+    assert crests_by_flow(stop, second.replay) == {}
+
+
+def test_from_where_a_flow_breaks_down_crests_are_as_high_as_none_is(
+    judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole, second, _ = judged
+    scene, played = whole.changed({"motion.slosh_height": "nonlinear"}), replace(second.replay)
+    count, step = 40, 0.005
+    lost = FlowAlong(np.zeros((count, 2, len(flow_terms(cup()).stiffness))), step, count * step)
+    monkeypatch.setattr(by_flow, "flows_along", lambda objects, *_: [lost] * len(objects))
+    crests, end = crests_by_flow(scene, played)["cup"], int(np.searchsorted(played.t, (count - 1) * step))
+    greatest = greatest_height(flow_terms(next(item for item in scene.cargo if item.name == "cup")).basin)
+    assert np.all(crests[end + 1 :] == greatest) and np.all(crests[:end] < 0.5 * greatest)
+
+
 def test_it_is_known_of_upright_cups_from_rest() -> None:
-    def followed(cargo: Cargo, residual: ResidualOrder = "nonlinear") -> bool:
-        return by_nonlinear_flow(cargo, "second order", residual)
+    def followed(cargo: Cargo, order: HeightOrder = "nonlinear") -> bool:
+        return by_nonlinear_flow(cargo, order)
 
     own = cup()
     assert own.filling is not None
@@ -91,32 +140,32 @@ def test_a_flow_that_breaks_down_is_told_apart(
     judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene, _, judgement = judged
-    lost = AtEnd(np.full((2, len(flow_terms(cup()).stiffness)), np.nan), 0.62)
-    monkeypatch.setattr(flow_left, "states_at_end", lambda objects, *_: [lost] * len(objects))
+    lost = FlowAlong(np.zeros((1, 2, len(flow_terms(cup()).stiffness))), 0.005, 0.62)
+    monkeypatch.setattr(by_flow, "flows_along", lambda objects, *_: [lost] * len(objects))
     rows = tuple(replace(row, ok=row.id != (_RESIDUAL, "cup")) for row in judgement.certificate.rows)
     again = replace(judgement.replay)  # whose flow is not kept
     over = replace(judgement, replay=again, certificate=replace(judgement.certificate, rows=rows))
     (warning,) = [item for item in plan_warnings(scene, over, {}) if item.name == "flow"]
-    assert warning.subject == "cup" and "breaks down at 0.62 s" in warning.text
+    assert warning.subject == "cup" and "breaks down at 0.62 s" in warning.text and "counts as" in warning.text
     assert not [item for item in plan_warnings(scene, judgement, {}) if item.name == "flow"]
 
 
 def test_a_motion_is_followed_once(judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch) -> None:
     scene, _, judgement = judged
     asked: list[int] = []
-    found = flow_left.states_at_end
+    found = by_flow.flows_along
 
-    def counted(objects: list[Cargo], t: np.ndarray, body: np.ndarray) -> list[AtEnd]:
+    def counted(objects: list[Cargo], t: np.ndarray, body: np.ndarray) -> list[FlowAlong]:
         asked.append(len(t))
         return found(objects, t[:2], body[:, :2])
 
-    monkeypatch.setattr(flow_left, "states_at_end", counted)
+    monkeypatch.setattr(by_flow, "flows_along", counted)
     played = replace(judgement.replay)
     one, same, earlier, other = (
         left_by_flow(scene, motion, index)["cup"].state
         for motion, index in ((played, -1), (played, len(played.t) - 1), (played, 5), (replace(played), 5))
     )
-    assert one is same and earlier is not other
+    assert np.shares_memory(one, same) and not np.shares_memory(earlier, other)
     assert asked == [len(played.t), 6, 6]
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill.potential_flow import flow_terms, rows_at, states_at_end
+from nospill.potential_flow import flow_terms, flows_along, rows_at
 from nospill.potential_flow.solving import whole_flow
 from nospill.scene.cargo import Cargo
 from tests.waters import STILL, cup, tub
@@ -35,12 +35,12 @@ def _alone(cargo: Cargo, body: np.ndarray, count: int = 240) -> np.ndarray:
 def test_each_is_as_if_followed_alone() -> None:
     near, far = cup(), replace(cup(), position=(0.1, 0.05), yaw=0.5)
     objects, body = [near, tub(), far], _moved(0.5)
-    found = states_at_end(objects, _T, body)
-    for cargo, at_end in zip(objects, found, strict=True):
+    found = flows_along(objects, _T, body)
+    for cargo, flow in zip(objects, found, strict=True):
         expected = _alone(cargo, body)
-        np.testing.assert_allclose(at_end.state[0], expected[0], atol=0.02 * np.max(np.abs(expected[0])))
-        assert at_end.breaks_at is None
-    assert np.max(np.abs(found[0].state - found[2].state)) > 1e-4
+        np.testing.assert_allclose(flow.end[0], expected[0], atol=0.02 * np.max(np.abs(expected[0])))
+        assert flow.breaks_at is None
+    assert np.max(np.abs(found[0].end - found[2].end)) > 1e-4
 
 
 def test_one_that_breaks_down_leaves_the_others() -> None:
@@ -48,14 +48,14 @@ def test_one_that_breaks_down_leaves_the_others() -> None:
     body = _moved(0.5)
     body[2] *= 4.0
     body[5] *= 4.0
-    together, alone = states_at_end([calm, far], _T, body), states_at_end([calm], _T, body)
-    assert np.all(np.isnan(together[1].state))
+    together, alone = flows_along([calm, far], _T, body), flows_along([calm], _T, body)
+    assert np.all(np.isnan(together[1].end))
     assert together[1].breaks_at is not None and 0.02 < together[1].breaks_at < 0.4
-    np.testing.assert_allclose(together[0].state, alone[0].state, atol=1e-12)
+    np.testing.assert_allclose(together[0].end, alone[0].end, atol=1e-12)
 
 
 def test_without_liquids_there_is_nothing() -> None:
-    assert states_at_end([], _T, _moved(1.0)) == []
+    assert flows_along([], _T, _moved(1.0)) == []
 
 
 def test_terms_are_kept_for_like_liquids() -> None:

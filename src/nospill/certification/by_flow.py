@@ -1,0 +1,168 @@
+"""Heights of liquids by the nonlinear flow, during the motion and after its end, where a scene asks for them.
+
+During the motion the liquid is followed by the flow in full (`potential_flow.flow_along`), third order and what follows
+in it; at the end waves are low, and each mode swings on by itself. Modes that the flow does not carry, the fastest of
+the judge's own, are added as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from nospill.certification.replay import Replay
+from nospill.certification.wall_heights import INSTANTS, highest_on_wall, linear_heights
+from nospill.core.hermite import cubic_hermite
+from nospill.laws.scene_parameters import structure_of
+from nospill.laws.slosh.residual import free_states
+from nospill.potential_flow import flow_terms, flows_along, greatest_height, height_gains, rows_at
+from nospill.potential_flow.basin import Basin
+from nospill.potential_flow.flow_along import FlowAlong
+from nospill.scene.cargo import Cargo
+from nospill.scene.heights import HeightOrder, by_nonlinear_flow
+from nospill.scene.scene import Scene
+from nospill.scene.sloshing.modes import wall_gains
+
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """A liquid at an instant from which the tray stands level.
+
+    Attributes:
+        cargo: whose liquid.
+        basin: with the modes of the flow.
+        state: (2, J) heights, m, and potentials, m^2/s, of these; NaN where the flow broke down.
+        displacement: (k,) of the modal masses, m; of those is read what the flow does not carry.
+        velocity: (k,) likewise, m/s.
+    """
+
+    cargo: Cargo
+    basin: Basin
+    state: np.ndarray
+    displacement: np.ndarray
+    velocity: np.ndarray
+
+    def crests(self, t: np.ndarray) -> np.ndarray:
+        """Greatest heights round the wall (n,), m, at times (n,), s, since then.
+
+        Of a flow that broke down the height from which on it is none any more.
+        """
+        if not np.all(np.isfinite(self.state)):
+            return np.full(len(t), greatest_height(self.basin))
+        height, potential = self.state
+        of_flow = free_states(self.basin.frequency, self.basin.damping, height, self.basin.stiffness * potential, t)[0]
+        modes = [(mode.frequency, mode.damping) for mode in self.cargo.oscillators for _ in mode.directions]
+        fast = ~np.any(height_gains(self.cargo.oscillators, self.basin), axis=0)
+        frequency, damping = np.array(modes)[fast].T
+        of_fast = free_states(frequency, damping, self.displacement[fast], self.velocity[fast], t)[0]
+        gains = wall_gains(self.cargo.oscillators)[:, fast]
+        yaw = np.max(np.abs(of_fast @ gains[2:].T), axis=1, initial=0.0)
+        return highest_on_wall(self.cargo, self.basin.modes, of_fast @ gains[:2].T, of_flow) + yaw
+
+    @property
+    def highest(self) -> float:
+        """Greatest height after the end, m."""
+        return float(np.max(self.crests(INSTANTS)))
+
+
+def crests_by_flow(scene: Scene, played: Replay) -> dict[str, np.ndarray]:
+    """Greatest heights round the wall (m,), m, of every liquid whose slosh height is judged by the nonlinear flow.
+
+    From where a flow breaks down on the height from which on it is none any more. By object, at the replay's instants.
+
+    Args:
+        scene: at full fidelity, as it was played.
+        played: the motion, from rest.
+    """
+    followed = _followed(scene, scene.motion.slosh_height)
+    flows = _flows_along(tuple(_Itself(cargo) for cargo, _ in followed), _Itself(played), len(played.t) - 1)
+    found = {}
+    for (cargo, own), flow in zip(followed, flows, strict=True):
+        assert cargo.filling is not None  # `by_nonlinear_flow` says so
+        basin, reached = flow_terms(cargo).basin, played.t - played.t[0] <= flow.step * (len(flow.states) - 1)
+        fast = ~np.any(height_gains(cargo.oscillators, basin), axis=0)
+        displacement = np.where(fast, played.slosh_displacement[reached][:, own], 0.0)
+        body = rows_at(played.body[:, reached], np.array([*cargo.position, 0.0]), cargo.yaw)
+        linear, yaw = linear_heights(cargo.filling, body, displacement)
+        heights = _at_instants(flow.states[:, 0], (played.t[reached] - played.t[0]) / flow.step)
+        crests = np.full(len(played.t), greatest_height(basin))
+        crests[reached] = highest_on_wall(cargo, basin.modes, linear, heights) + yaw
+        found[cargo.name] = crests
+    return found
+
+
+def _at_instants(values: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Values (n, J) at places 0 to n - 1 at others (m,) between them, by cubics: (m, J)."""
+    if len(values) < 2:
+        return np.broadcast_to(values[:1], (len(places), values.shape[1]))
+    slopes = np.gradient(values, axis=0, edge_order=2 if len(values) > 2 else 1)
+    before = np.minimum(places.astype(int), len(values) - 2)
+    ends, changes = np.stack([values[before], values[before + 1]]), np.stack([slopes[before], slopes[before + 1]])
+    return cubic_hermite((places - before)[:, None], 1.0, ends, changes)
+
+
+def left_by_flow(scene: Scene, played: Replay, index: int) -> dict[str, Left]:
+    """Of every liquid whose height after the end is judged by the nonlinear flow, by object.
+
+    Args:
+        scene: at full fidelity, as it was played.
+        played: the motion.
+        index: of the instant from which the tray stands.
+    """
+    followed = _followed(scene, scene.motion.residual_height)
+    objects = tuple(_Itself(cargo) for cargo, _ in followed)
+    flows = _flows_along(objects, _Itself(played), index % len(played.t))
+    return {
+        cargo.name: Left(
+            cargo,
+            flow_terms(cargo).basin,
+            flow.end,
+            played.slosh_displacement[index, own],
+            played.slosh_velocity[index, own],
+        )
+        for (cargo, own), flow in zip(followed, flows, strict=True)
+    }
+
+
+def broken_flows(scene: Scene, played: Replay) -> dict[str, tuple[float, float]]:
+    """Of every liquid whose flow breaks down when that is, s, and as what its height counts from there on, m."""
+    if "nonlinear" not in (scene.motion.slosh_height, scene.motion.residual_height):
+        return {}
+    followed = _followed(scene, "nonlinear")
+    flows = _flows_along(tuple(_Itself(cargo) for cargo, _ in followed), _Itself(played), len(played.t) - 1)
+    return {
+        cargo.name: (flow.breaks_at, greatest_height(flow_terms(cargo).basin))
+        for (cargo, _), flow in zip(followed, flows, strict=True)
+        if flow.breaks_at is not None
+    }
+
+
+def _followed(scene: Scene, order: HeightOrder) -> list[tuple[Cargo, slice]]:
+    """The objects whose height of this order the flow judges, with the places of their slosh coordinates."""
+    pairs = zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
+    return [] if scene.motion.stop else [(cargo, own) for cargo, own in pairs if by_nonlinear_flow(cargo, order)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Itself(Generic[_T]):
+    """An object as a key: equal is what is the same object."""
+
+    value: _T
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Itself) and other.value is self.value
+
+    def __hash__(self) -> int:
+        return id(self.value)
+
+
+@lru_cache(maxsize=2)
+def _flows_along(objects: tuple[_Itself[Cargo], ...], played: _Itself[Replay], index: int) -> list[FlowAlong]:
+    """Of these liquids up to an instant; kept, since warnings and figures ask for what the judge has asked for."""
+    motion = played.value
+    return flows_along([item.value for item in objects], motion.t[: index + 1], motion.body[:, : index + 1])
