@@ -6,6 +6,7 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.scene.heights import by_nonlinear_flow, linear_since, to_second_order
 from nospill.scene.scene import Scene
+from nospill.scene.variants import liquid_offsets
 
 SECOND = "second order"
 _LINEAR, _NAMED = "linear, since ", 4
@@ -34,13 +35,14 @@ def height_note(scene: Scene) -> str:
     """
     if scene.fidelity != "full":
         return ""
-    orders = height_orders(scene)
+    orders, residual = height_orders(scene), scene.motion.residual_height != "linear" and not scene.motion.stop
+    heights = f"{SloshHeight.name} and {ResidualHeight.name}" if residual else SloshHeight.name
     titles = {cargo.name: cargo.title for cargo in scene.cargo}
     alike: dict[str, list[str]] = {}
     for name, order in orders.items():
         if order != SECOND:
             alike.setdefault(order, []).append(titles[name])
-    return "; ".join(f"{SloshHeight.name}{_of(names, len(orders))}: {order}" for order, names in alike.items())
+    return "; ".join(f"{heights}{_of(names, len(orders))}: {order}" for order, names in alike.items())
 
 
 def flow_note(scene: Scene) -> str:
@@ -56,6 +58,10 @@ def flow_note(scene: Scene) -> str:
         return f"{ResidualHeight.name}: of no liquid by the nonlinear flow, which is of upright cups that begin at rest"
     names, liquids = [item.title for item in found], height_orders(scene)
     others = "; others as their slosh heights" if len(found) < len(liquids) else ""
+    if rules.speed_range is not None:
+        others += "; at other speeds than planned to the second order"
+    if any(offset.frequency for item in found for offset in liquid_offsets(item)):
+        others += "; at other frequencies than stated to the second order"
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return f"{ResidualHeight.name} by the nonlinear flow: {', '.join(names[:_NAMED])}{more}{others}"
 

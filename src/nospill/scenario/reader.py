@@ -324,8 +324,7 @@ def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
     residual = scenario.motion.residual_height
     if residual != "linear" and _height_order(scenario)[0] != "second order":
         raise ScenarioError(
-            f'residual_height = "{residual}" is stated where slosh heights are linear; leave it out, or state '
-            'slosh_height = "second order" to see what is in the way'
+            f'residual_height = "{residual}" is stated where slosh heights are linear: {_way_to_second_order(scenario)}'
         )
     if scenario.motion.slosh_height != "second order":
         return
@@ -346,6 +345,17 @@ def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
                 f'slosh_height = "second order": it is not known of {as_written(item.name)}, for {reason}; write '
                 'slosh_height = "linear"'
             )
+
+
+def _way_to_second_order(scenario: Scenario) -> str:
+    """Why slosh heights of a scenario are linear, and what to leave out or to state."""
+    if scenario.fidelity != "full":
+        return f'fidelity = "{scenario.fidelity}" is of linear heights; leave one of the two out'
+    if scenario.tolerance is not None and scenario.tolerance.has_band:
+        return "over tolerance.tracking heights are followed to the first order alone; leave one of the two out"
+    if scenario.motion.slosh_height == "linear":
+        return 'slosh_height = "linear" says so; leave one of the two out'
+    return 'over speed_range they are; state slosh_height = "second order" too, or leave residual_height out'
 
 
 def _height_order(scenario: Scenario) -> tuple[HeightOrder, str]:

@@ -62,6 +62,6 @@ def _require_same_joints(plan: Plan, own: MotionState, state: MotionState) -> No
     there, given = (np.array(item.arm.joint_position) for item in (own, state))
     if there.shape != given.shape or np.abs(there - given).max() > OFF_PATH:
         raise ScenarioError(
-            f"{plan.scene.name}: the state is not one of this plan, whose joints stand otherwise at {state.t:g} s; take "
-            "it by plan.state_at(t), and replace its swings alone"
+            f"{plan.scene.name}: the state is not one of this plan, whose joints stand otherwise at {state.t:g} s; "
+            "take it by plan.state_at(t), and replace its swings alone"
         )
