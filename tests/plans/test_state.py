@@ -102,7 +102,7 @@ def test_what_is_left_serves_a_scene_with_other_liquids(before: Plan, state: Mot
     cup = before.scene.source["cargo"][0] | {"at": [0.08, 0.05], "label": "another"}
     more = before.scene.changed({"cargo.more": {key: value for key, value in cup.items() if key != "name"}})
     scene = beginning_in(more, state)
-    judged = what_is_left(Task.of(scene), state.rest, Log(None, None))
+    judged = what_is_left(Task.of(scene), state.rest, Log(None, 60.0))
     assert judged is not None and sorted(judged.trajectory.slosh) == ["c1", "more"]
     track = judged.trajectory.slosh["more"]
     assert np.abs(track.displacement[0]).max() == 0.0 < np.abs(track.displacement).max()

@@ -92,7 +92,19 @@ class Plan:
             )
         longest = self.scene.planning.max_plan_time
         ended = f" Planning ended at planning.max_plan_time = {longest:g} s: allow more." if self.report.ran_out else ""
-        return f"Not certified: {finding(self.certificate)}.{remedy(worst, self.trajectory.rate)}{ended}"
+        return f"Not certified: {finding(self.certificate)}.{remedy(worst, self.trajectory.rate)}{ended}{self._tight}"
+
+    @property
+    def _tight(self) -> str:
+        """That a stated time may be what no certified motion keeps, as a sentence; empty where none is stated."""
+        rules = self.scene.motion
+        stated = "max_duration" in self.scene.source.get("motion", {})
+        key, value = (
+            ("duration", rules.duration) if rules.duration is not None else ("max_duration", rules.max_duration)
+        )
+        if rules.duration is None and not stated:
+            return ""
+        return f" motion.{key} = {value:g} s may be too short: plan without it for the fastest certified motion."
 
     @property
     def certified_speeds(self) -> tuple[float, float] | None:
