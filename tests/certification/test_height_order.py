@@ -80,8 +80,46 @@ def test_whose_heights_the_nonlinear_flow_judges_is_said() -> None:
     assert flow_note(scene.changed(asked)).endswith("nonlinear flow: cup, mug; others to the second order")
     both = flow_note(scene.changed({**asked, "motion.slosh_height": "nonlinear"}))
     assert both.startswith("slosh height and residual height by the nonlinear flow: cup, mug")
+    orders = height_orders(scene.changed({"motion.slosh_height": "nonlinear"}))
+    assert orders == {"cup": "nonlinear", "mug": "nonlinear", "box": "second order"}
     swinging = dict.fromkeys(("cargo.cup.initial_swing", "cargo.mug.initial_swing"), _SWING)
     assert "of no liquid" in flow_note(scene.changed({**asked, **swinging}))
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"cargo.cup.tolerance": {"frequency": "2 %"}}, "at other frequencies than stated to the second order"),
+        ({"cargo.cup.tolerance": {"liquid_height": "2 mm"}}, "others as their slosh heights"),
+        (
+            {"motion.speed_range": ["50 %", "100 %"], "motion.slosh_height": "second order"},
+            "at other speeds than planned to the second order",
+        ),
+    ],
+)
+def test_variants_that_the_nonlinear_flow_does_not_judge_are_said(changes: dict[str, object], told: str) -> None:
+    scene = read_scenario("mixed-tray").changed({"motion.residual_height": "nonlinear", **changes})
+    assert flow_note(scene).endswith(told)
+
+
+def test_a_residual_height_that_stays_linear_is_said() -> None:
+    asked = {"motion.residual_height": "second order", "cargo.cup.contact_line": "free"}
+    assert height_note(read_scenario("mixed-tray").changed(asked)).startswith("slosh height and residual height of cup")
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"fidelity": "deliverable", "motion.slosh_height": "second order"}, 'fidelity = "deliverable" is of linear'),
+        ({"motion.slosh_height": "linear"}, 'slosh_height = "linear" says so; leave one of the two out'),
+        ({"motion.speed_range": ["50 %", "100 %"]}, 'state slosh_height = "second order" too'),
+        ({"tolerance": {"tracking": {"delay": "5 ms"}}}, "tolerance.tracking heights are followed to the first order"),
+    ],
+)
+def test_why_no_residual_is_of_second_order_is_said_and_helps(changes: dict[str, object], told: str) -> None:
+    """What is in the way itself, also where `slosh_height` is stated as was advised once."""
+    with pytest.raises(ScenarioError, match=told):
+        read_scenario("mixed-tray").changed({"motion.residual_height": "second order", **changes})
 
 
 def test_where_it_is_stated_a_swing_of_the_first_order_is_refused() -> None:

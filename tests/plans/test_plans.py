@@ -285,3 +285,11 @@ def test_folders_with_other_content_are_refused(
     path.write_text(json.dumps(json.loads(path.read_text()) | change))
     with pytest.raises(PlanFolderError, match="damaged"):
         load_plan(tmp_path / "out")
+
+
+def test_a_time_that_may_be_too_short_is_said_of_a_plan_that_is_not_certified(gentle_plan) -> None:
+    plan = gentle_plan("matrix-liquid-soft-end", 1)
+    failed = dataclasses.replace(plan, certificate=dataclasses.replace(plan.certificate, ok=False))
+    assert "too short" not in failed.message
+    tight = dataclasses.replace(failed, scene=plan.scene.changed({"motion.max_duration": "1.4 s"}))
+    assert "motion.max_duration = 1.4 s may be too short" in tight.message

@@ -15,8 +15,11 @@ from nospill.certification.replay import replay
 from nospill.certification.verdict import Trace
 from nospill.errors import ScenarioError
 from nospill.laws.scene_parameters import initial_coordinates
+from nospill.planning.log import Log
+from nospill.planning.task import Task
+from nospill.planning.warm_start import what_is_left
 from nospill.plans.plan import Plan
-from nospill.plans.state import MotionState, beginning_in, rest_of, states_of
+from nospill.plans.state import MotionState, beginning_in, rest_of, start_moved, states_of
 from nospill.scenario import read_scenario
 
 T = 0.8
@@ -75,6 +78,48 @@ def test_a_record_that_begins_otherwise_does_not_join_on(
     judged = judge_motion(replace(left, **{column: values}), beginning_in(before.scene, state))
     broken = {row.subject for row in judged.certificate.rows if row.constraint == "joins on" and not row.ok}
     assert broken >= rows and not judged.certificate.ok
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"cargo.c1.liquid_height": "45 mm"}, "cargo.c1.liquid_height"),
+        ({"cargo.c1.at": [0.0, 0.0]}, "cargo.c1.at"),
+        ({"tray.offset": "150 mm"}, "tray.offset"),
+    ],
+)
+def test_what_moves_already_is_no_other_one(
+    before: Plan, state: MotionState, changes: dict[str, Any], key: str
+) -> None:
+    """Its liquids would swing on with modes that are not theirs, and be certified so."""
+    with pytest.raises(ScenarioError, match=f"^{key} is .* the motion before"):
+        beginning_in(before.scene.changed(changes), state)
+    assert beginning_in(before.scene.changed({"cargo.c1.max_slosh_height": "20 mm"}), state).initial_state is not None
+
+
+def test_what_is_left_serves_a_scene_with_other_liquids(before: Plan, state: MotionState) -> None:
+    """One more cup, which is at rest: the record has the liquids that were judged."""
+    cup = before.scene.source["cargo"][0] | {"at": [0.08, 0.05], "label": "another"}
+    more = before.scene.changed({"cargo.more": {key: value for key, value in cup.items() if key != "name"}})
+    scene = beginning_in(more, state)
+    judged = what_is_left(Task.of(scene), state.rest, Log(None, 60.0))
+    assert judged is not None and sorted(judged.trajectory.slosh) == ["c1", "more"]
+    track = judged.trajectory.slosh["more"]
+    assert np.abs(track.displacement[0]).max() == 0.0 < np.abs(track.displacement).max()
+
+
+def test_a_start_that_a_free_path_does_not_take_is_said(before: Plan, state: MotionState) -> None:
+    here = before.trajectory.tray_position[round(state.t * before.trajectory.rate)]
+    goal = {"position": before.trajectory.tray_position[-1].tolist(), "yaw": 0.0}
+
+    def free(start: np.ndarray) -> ns.Scene:
+        path = {"type": "free", "start": {"position": start.tolist(), "yaw": "free"}, "goal": goal}
+        return before.scene.changed({"path": path})
+
+    assert start_moved(free(here + np.array([0.0, 0.0, 0.1])), state) == (
+        "path.start is 100 mm and 0 deg from where the tray is at 0.8 s; the motion begins where it is"
+    )
+    assert start_moved(free(here), state) == "" == start_moved(before.scene, state)
 
 
 def test_a_record_from_rest_is_none_of_a_motion_that_begins_in_motion(before: Plan, state: MotionState) -> None:

@@ -117,6 +117,8 @@ def test_what_was_given_and_handed_out_is_the_callers_own() -> None:
         ({3: 1}, "key 3 is not text"),
         ([("motion.tilt", "free")], "changes are a dictionary of keys and values, not a value of type list"),
         ({"cargo.cup.at": SCENE.cargo[1].position}, 'cargo "mug": overlaps "cup"'),
+        ({"cargo.cup.at.2": 1}, "cargo.cup.at.2: cargo.cup.at has values 0 to 1, and no 2; give one of those numbers"),
+        ({"tray": {"friction": 0.3}}, 'takes the place of all of [tray]; for one key of it write "tray.friction"'),
         ({"robot.urdf": "none.urdf"}, "[robot]: model and urdf are both given"),
     ],
 )

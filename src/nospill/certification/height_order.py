@@ -6,13 +6,14 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.scene.heights import by_nonlinear_flow, linear_since, to_second_order
 from nospill.scene.scene import Scene
+from nospill.scene.variants import liquid_offsets
 
-SECOND = "second order"
+SECOND, BY_FLOW = "second order", "nonlinear"
 _LINEAR, _NAMED = "linear, since ", 4
 
 
 def height_orders(scene: Scene) -> dict[str, str]:
-    """Of every liquid with an open surface "second order", or "linear, since ..." with the reason; by object."""
+    """Of every liquid with an open surface "second order", "nonlinear", or "linear, since ..." with the reason."""
     motion, found = scene.motion, dict[str, str]()
     for cargo in scene.cargo:
         if cargo.filling is None or cargo.filling.lid:
@@ -20,7 +21,8 @@ def height_orders(scene: Scene) -> dict[str, str]:
         if scene.fidelity != "full":
             found[cargo.name] = f"{_LINEAR}the published physics are"
         elif to_second_order(cargo, motion.slosh_height):
-            found[cargo.name] = SECOND
+            by_flow = by_nonlinear_flow(cargo, motion.slosh_height) and not motion.stop
+            found[cargo.name] = BY_FLOW if by_flow else SECOND
         else:
             stated = motion.slosh_height == "linear" and (motion.linear_since or "motion.slosh_height says so")
             found[cargo.name] = _LINEAR + (stated or linear_since(cargo) or "")
@@ -34,13 +36,14 @@ def height_note(scene: Scene) -> str:
     """
     if scene.fidelity != "full":
         return ""
-    orders = height_orders(scene)
+    orders, residual = height_orders(scene), scene.motion.residual_height != "linear" and not scene.motion.stop
+    heights = f"{SloshHeight.name} and {ResidualHeight.name}" if residual else SloshHeight.name
     titles = {cargo.name: cargo.title for cargo in scene.cargo}
     alike: dict[str, list[str]] = {}
     for name, order in orders.items():
-        if order != SECOND:
+        if order.startswith(_LINEAR):
             alike.setdefault(order, []).append(titles[name])
-    return "; ".join(f"{SloshHeight.name}{_of(names, len(orders))}: {order}" for order, names in alike.items())
+    return "; ".join(f"{heights}{_of(names, len(orders))}: {order}" for order, names in alike.items())
 
 
 def flow_note(scene: Scene) -> str:
@@ -56,8 +59,13 @@ def flow_note(scene: Scene) -> str:
     found = [] if rules.stop else [item for item in scene.cargo if by_nonlinear_flow(item, "nonlinear")]
     if not found:
         return f"{which}: of no liquid by the nonlinear flow, which is of upright cups that begin at rest"
-    names, liquids = [item.title for item in found], height_orders(scene)
-    others = "; others to the second order" if len(found) < len(liquids) else ""
+    names = [item.title for item in found]
+    known = [order for order in height_orders(scene).values() if not order.startswith(_LINEAR)]
+    others = "; others to the second order" if len(found) < len(known) else ""
+    if rules.speed_range is not None:
+        others += "; at other speeds than planned to the second order"
+    if any(offset.frequency for item in found for offset in liquid_offsets(item)):
+        others += "; at other frequencies than stated to the second order"
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return f"{which} by the nonlinear flow: {', '.join(names[:_NAMED])}{more}{others}"
 

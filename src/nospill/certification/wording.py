@@ -20,7 +20,7 @@ from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.constraints.tip import Tip
 from nospill.laws.constraints.twist import Twist
 from nospill.scene.heights import HeightOrder
-from nospill.scene.scene import FULL_MODES
+from nospill.scene.scene import FULL_MODES, Scene
 
 _DENSE = 200.0
 """Hz; at this rate and above the spline through the samples of a planned motion is as good as the motion."""
@@ -224,6 +224,15 @@ def remedy(row: Row, rate: float) -> str:
     if row.constraint in ("path position", "path attitude"):
         return f" Between samples {1e3 / rate:.3g} ms apart the joints leave the path: try a higher output.rate."
     return ""
+
+
+def tight_time(scene: Scene) -> str:
+    """That a stated time may be less than any certified motion takes, as a sentence; empty where none is stated."""
+    rules = scene.motion
+    if rules.duration is None and "max_duration" not in scene.source.get("motion", {}):
+        return ""
+    key, value = ("duration", rules.duration) if rules.duration is not None else ("max_duration", rules.max_duration)
+    return f" motion.{key} = {value:g} s may be too short: plan without it for the fastest certified motion."
 
 
 def shown_unit(unit: str, limit: float = math.inf) -> tuple[float, str]:

@@ -52,7 +52,7 @@ from nospill.planning.way_before import along_way_before, of_one_structure
 from nospill.planning.widest_range import range_reached
 from nospill.plans.approach import require_ruckig_if_needed, starts_alike, with_approach
 from nospill.plans.plan import Plan, judged_plan
-from nospill.plans.state import MotionState
+from nospill.plans.state import MotionState, start_moved
 from nospill.robots.joint_paths.search import JointPath, branch_in_words, path_through, preferred_path
 from nospill.scenario.loading import ScenarioSource
 from nospill.scene.scene import Scene
@@ -98,9 +98,11 @@ def plan(
             what is in the way.
         MissingExtraError: the scene has an approach and ruckig is not installed.
     """
-    scene, warm = begun_in(requested_scene(scene, constraints), start, stop=stop), earlier_plan(warm)
+    asked, warm = requested_scene(scene, constraints), earlier_plan(warm)
+    scene = begun_in(asked, start, stop=stop)
     ignored = ignored_constraints(ignore, scene)
-    return _plan(scene, warm=warm, start=start, last=None, ignore=ignored, progress=progress)[0]
+    moved = "" if start is None else start_moved(asked, start)
+    return _plan(scene, warm=warm, start=start, last=None, ignore=ignored, progress=progress, moved=moved)[0]
 
 
 @one_blas_thread()
@@ -113,8 +115,9 @@ def _plan(
     ignore: Collection[str],
     progress: OnProgress | None,
     start: MotionState | None = None,
+    moved: str = "",
 ) -> tuple[Plan, Candidate]:
-    """`plan`, with the candidate that the next one may start from."""
+    """`plan`, with the candidate that the next one may start from; `moved` is `start_moved` of what was asked for."""
     require_ruckig_if_needed(scene)
     if scene.motion.stoppable is not None:
         raise ScenarioError(
@@ -144,6 +147,7 @@ def _plan(
     task = judged.candidate.active.task
     require_band(scene, judged.judgement, ended=log.out_of_time)
     reached = range_reached(judged.trajectory, judged.judgement, task)
+    taken = (instead,) if instead == REST_INSTEAD else fallbacks(judged.candidate, log, instead, reached)
     report = log.report(
         judged.candidate.solution.status,
         backoff=judged.candidate.active.increased(),
@@ -152,7 +156,7 @@ def _plan(
         base_yaw=base_yaw_text(scene) if base_is_free else None,
         end_yaws=end_yaws_text(scene, free) if free else None,
         blocked_way=blocked_direct_way(open_scene, scene),
-        fallbacks=(instead,) if instead == REST_INSTEAD else fallbacks(judged.candidate, log, instead, reached),
+        fallbacks=(moved, *taken) if moved else taken,
         warm=warm is not None and not log.not_warm,
     )
     planned = judged_plan(scene, with_recorded_modes(judged.trajectory, scene), judged.judgement, report)

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from nospill.certification.certificate import judge
+from nospill.certification.certificate import judge, judge_motion
+from nospill.certification.tracks import judged_tracks
 from nospill.errors import ModelError
 from nospill.laws.constraints import by_name
 from nospill.laws.constraints.base import RowId, liquid_names
@@ -125,9 +126,10 @@ def what_is_left(task: Task, rest: Trajectory, log: Log) -> Judged | None:
     A motion to the same end that is certified needs no search from afar, should the solve from it lead nowhere.
     """
     with log.phase("certify"):
-        judgement = judge(rest, task.scene)
+        judgement = judge_motion(rest, task.scene)  # its liquids may be others than those of the motion before
     if not judgement.certificate.ok:
         return None
+    rest = replace(rest, slosh=judged_tracks(rest, task.scene, judgement.replay, judgement.traces))
     active = ActiveSet.of(task, rest.joint_position)
     candidate = solved(active, start_from(active, rest, log), log, {"max_iterations": 0})
     return Judged(candidate, rest, judgement)

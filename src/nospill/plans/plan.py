@@ -26,7 +26,7 @@ from nospill.certification.replay import tray_from_joints
 from nospill.certification.survival import survival
 from nospill.certification.survived import Survival
 from nospill.certification.verdict import Certificate
-from nospill.certification.wording import describe, finding, full_model_note, remedy
+from nospill.certification.wording import describe, finding, full_model_note, remedy, tight_time
 from nospill.core.blas_threads import one_blas_thread
 from nospill.laws.constraints.base import RowId
 from nospill.motion.trajectory import Trajectory
@@ -92,7 +92,8 @@ class Plan:
             )
         longest = self.scene.planning.max_plan_time
         ended = f" Planning ended at planning.max_plan_time = {longest:g} s: allow more." if self.report.ran_out else ""
-        return f"Not certified: {finding(self.certificate)}.{remedy(worst, self.trajectory.rate)}{ended}"
+        advice = f"{remedy(worst, self.trajectory.rate)}{ended}{tight_time(self.scene)}"
+        return f"Not certified: {finding(self.certificate)}.{advice}"
 
     @property
     def certified_speeds(self) -> tuple[float, float] | None:

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 
 import numpy as np
 
+from nospill.core.units import format_quantity
 from nospill.errors import ScenarioError
 from nospill.motion.trajectory import SloshTrack, Trajectory
+from nospill.plans.same_bodies import require_same_bodies
 from nospill.plans.swings import swing_table, swings_at, with_own_second_order
 from nospill.scenario.about_the_path import state_about, tray_of
+from nospill.scenario.fields import FREE
 from nospill.scenario.initial_state_entry import OFF_PATH
 from nospill.scene.initial_state import InitialState
 from nospill.scene.scene import Scene
 from nospill.scene.swing import Swing
 
+_SAME_PLACE, _SAME_YAW = 1e-3, math.radians(0.5)
+"""m and rad: how far a free path may begin from where the tray is without a word."""
 _ALONG = ("s", "s_rate", "s_acceleration")
 STOP_INTERVALS = 25
 """Of the grid of a stop; where liquids are in the problem with several modes, which are faster, there are more."""
@@ -30,12 +36,14 @@ class MotionState:
         arm: the tray on its path, and the joints.
         swings: of every liquid, all its modes, by object.
         rest: what is left of the plan's record, on a clock that begins there.
+        scene: of the plan; None where nobody says.
     """
 
     t: float
     arm: InitialState
     swings: Mapping[str, Swing]
     rest: Trajectory = field(repr=False)
+    scene: Scene | None = field(default=None, repr=False)
 
 
 def rest_of(record: Trajectory, t: float) -> Trajectory:
@@ -68,7 +76,9 @@ def states_of(record: Trajectory, scene: Scene, t: Sequence[float] | np.ndarray)
     swings = swings_at(record, scene, record.t[rows], following=scene.cargo)
     swings = with_own_second_order(swings, record, scene, record.t[rows])
     return [
-        MotionState(float(record.t[row]), _recorded(record, scene, row), own, rest_of(record, float(record.t[row])))
+        MotionState(
+            float(record.t[row]), _recorded(record, scene, row), own, rest_of(record, float(record.t[row])), scene
+        )
         for row, own in zip(rows, swings, strict=True)
     ]
 
@@ -83,9 +93,11 @@ def beginning_in(scene: Scene, state: MotionState, *, stop: bool = False) -> Sce
             are left out then, and the grid is that of stops.
 
     Raises:
-        ScenarioError: the joints are off the path, a liquid stands above its limit, or the scene states what does not
-            go together with a beginning in motion.
+        ScenarioError: the joints are off the path, a liquid stands above its limit, arm, tray or an object is another
+            one than the state is of, or the scene states what does not go together with a beginning in motion.
     """
+    if state.scene is not None:
+        require_same_bodies(scene, state.scene)
     known = {item.name for item in scene.cargo if item.filling is not None}
     swings = {
         f"cargo.{name}.initial_swing": swing_table(swing) for name, swing in state.swings.items() if name in known
@@ -117,6 +129,20 @@ def _about_path(
     own = np.append(np.array(state.offset[0]), state.turn[0])
     same = np.max(np.abs(scene.path.at(state.s)[0] + own - tray[0])) <= OFF_PATH
     return (keys if same else placeless), {}
+
+
+def start_moved(scene: Scene, state: MotionState) -> str:
+    """That a free path does not begin at the `start` it states, but where the tray is; empty where that is the same."""
+    path = scene.source["path"]
+    if path.get("type") != "free" or "way" in path:
+        return ""
+    here, stated = tray_of(state.arm, scene.robot, scene.tray.tool)[0], scene.path.at([0.0])[0]
+    away = float(np.linalg.norm(here[:3] - stated[:3]))
+    turned = 0.0 if path["start"].get("yaw") == FREE else abs(math.remainder(float(here[3] - stated[3]), 2.0 * math.pi))
+    if away <= _SAME_PLACE and turned <= _SAME_YAW:
+        return ""
+    shown, angle = format_quantity(away, "length", digits=3), format_quantity(turned, "angle", digits=3)
+    return f"path.start is {shown} and {angle} from where the tray is at {state.t:g} s; the motion begins where it is"
 
 
 def require_known_joints(scene: Scene) -> None:

@@ -322,16 +322,15 @@ def _check_motion(scenario: Scenario) -> None:
 def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
     """Refuse heights of second order and of the nonlinear flow where the scene has none."""
     residual, stated = scenario.motion.residual_height, scenario.motion.slosh_height
-    if residual != "linear" and _height_order(scenario)[0] == "linear":
-        raise ScenarioError(
-            f'residual_height = "{residual}" is stated where slosh heights are linear; leave it out, or state '
-            'slosh_height = "second order" to see what is in the way'
-        )
     over_band = scenario.tolerance is not None and scenario.tolerance.has_band
     if residual != "linear" and over_band:
         raise ScenarioError(
             f'residual_height = "{residual}" and tolerance.tracking are stated together: over a band of arms heights '
             'after the end are those of the modes alone; write residual_height = "linear", or leave tracking out'
+        )
+    if residual != "linear" and _height_order(scenario)[0] == "linear":
+        raise ScenarioError(
+            f'residual_height = "{residual}" is stated where slosh heights are linear: {_way_to_second_order(scenario)}'
         )
     if stated == "nonlinear" and over_band:
         raise ScenarioError(
@@ -352,6 +351,15 @@ def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
                 f'slosh_height = "{stated}": it is not known of {as_written(item.name)}, for {reason}; write '
                 'slosh_height = "linear"'
             )
+
+
+def _way_to_second_order(scenario: Scenario) -> str:
+    """Why slosh heights of a scenario are linear, and what to leave out or to state."""
+    if scenario.fidelity != "full":
+        return f'fidelity = "{scenario.fidelity}" is of linear heights; leave one of the two out'
+    if scenario.motion.slosh_height == "linear":
+        return 'slosh_height = "linear" says so; leave one of the two out'
+    return 'over speed_range they are; state slosh_height = "second order" too, or leave residual_height out'
 
 
 def _height_order(scenario: Scenario) -> tuple[HeightOrder, str]:

@@ -86,12 +86,28 @@ class StandaloneScenario:
             raise ScenarioError(f"{name}: {error}") from None
         if any(value is None for value in changes.values()):
             _require_known_keys(table, name)
-        return scene_from_table(present(table), name=name)
+        try:
+            return scene_from_table(present(table), name=name)
+        except ScenarioError as error:
+            hint = _whole_tables(self.content, changes)
+            if not hint:
+                raise
+            raise ScenarioError(f"{error}; {hint}", reason=error.reason) from None
 
     def text(self) -> str:
         """See `Origin`."""
         # the text of a URDF is for people to read too; line ends that would not survive it (CR LF) stay escaped
         return toml_text(self.content)
+
+
+def _whole_tables(content: Mapping[str, Any], changes: Mapping[str, object]) -> str:
+    """That a table of fewer keys takes the place of the one before as a whole; empty where none does."""
+    for place, value in changes.items():
+        before = content.get(place)
+        if isinstance(value, Mapping) and isinstance(before, Mapping) and value and set(value) < set(before):
+            key = next(iter(value))
+            return f'the table given takes the place of all of [{place}]; for one key of it write "{place}.{key}"'
+    return ""
 
 
 def _require_known_keys(table: Mapping[str, Any], label: str) -> None:

@@ -152,6 +152,9 @@ def _put_into_list(entries: list[Any], keys: Sequence[str | int], value: object,
     if index is None and not rest and isinstance(value, dict) and above in _LISTS and not str(first).isdecimal():
         entries.append(_entry_by_name(value, str(first), place))
     elif index is None:
+        if entries and not any(isinstance(entry, dict) for entry in entries):
+            last = len(entries) - 1
+            raise ScenarioError(f"{place}: {above} has values 0 to {last}, and no {first}; give one of those numbers")
         wants_key = not rest and value is not None
         raise ScenarioError(f"{place}: {_NO_KEY if wants_key else _nobody(str(first), '', list(named), above)}")
     elif not rest:

@@ -179,7 +179,7 @@ def _swing(cargo: Cargo, filling: Filling, by: Perturbation) -> Swing | None:
     if swing is None:
         raise ModelError(
             f"initial_swing is not known of {cargo.name} with {by.text(cargo)}: give it in initial_swing.variant, as "
-            "`nospill plan --after` does, or leave that tolerance out"
+            "`nospill plan --after` and plan.state_at(t) do of a plan with that tolerance, or leave it out"
         )
     return swing
 

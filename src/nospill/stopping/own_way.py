@@ -29,7 +29,7 @@ _SPAN = 0.02
 """s; longest of the pieces."""
 
 
-def along_own_way(plan: Plan, every: float = _SPAN) -> Plan:
+def along_own_way(plan: Plan, every: float = _SPAN, at: float | None = None) -> Plan:
     """A plan as one along a path that is its own way; the plan itself where its tray keeps to the path already.
 
     To compute with, as any scene whose parts are replaced.
@@ -37,11 +37,14 @@ def along_own_way(plan: Plan, every: float = _SPAN) -> Plan:
     Args:
         plan: certified.
         every: s, between the instants at which its motion has to be that of its record to rounding.
+        at: s, one more such instant.
     """
     if not plan.scene.motion.leaves_path:
         return plan
     record = plan.trajectory
     rows = _knots(record, every)
+    if at is not None:
+        rows = np.union1d(rows, [round((at - record.t[0]) * record.rate)])
     path = _way(plan.scene, record, rows)
     rules = plan.scene.motion.on_path()
     speed = float(np.max(np.linalg.norm(path.derivative(path.breaks)[:, :3], axis=1)))

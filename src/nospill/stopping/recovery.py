@@ -18,15 +18,17 @@ from nospill.certification.after_end import free_heights, residual_height
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.replay import Replay
 from nospill.certification.verdict import Certificate, Row
+from nospill.certification.wording import describe
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState
-from nospill.plans.stops import Stop
+from nospill.plans.stops import NO_BOUND, Stop
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
+from nospill.stopping.seen_states import on_own_way
 from nospill.stopping.solving import Found, found_from_afar, joint_path_of, stopping_scene
 
 _FIRST, _WIDEST = 1.01, 3.0
@@ -88,16 +90,22 @@ def recover(plan: Plan, state: MotionState, *, residual: float = 1.0) -> Recover
         residual: how high liquids may swing on after the stop, over max_slosh_height.
 
     Raises:
-        ScenarioError: a liquid of the state is over the rim of its cup.
+        ScenarioError: the plan has no stops (`stops.require_stoppable`), the state is not one of its own or does not
+            say how all its liquids swing, or a liquid of it is over the rim of its cup.
         NoSolutionError: no stop was found within three times the height of the state.
     """
-    scene, joint_path = stopping_scene(plan.scene, state, residual), joint_path_of(plan)
+    own_way, on_it = on_own_way(plan, state)
+    scene, joint_path = stopping_scene(own_way.scene, on_it, residual), joint_path_of(own_way)
     high, left = _above(scene), plan.duration - state.t
+    rest = None if high else _what_is_left(plan, state, residual)
     ways = [(stays, calmer) for stays in (True, False) for calmer in ((True, False) if high else (True,))]
     for stays, calmer in ways:
-        found = _Search(scene, high, state, joint_path, left, calmer, stays).least()
+        search = _Search(scene, high, on_it, joint_path, left, calmer, stays, of_plan=own_way is not plan)
+        found = search.least() if rest is None else search.as_stated()
         if found is not None:
             return _told(found, scene)
+    if rest is not None:
+        return rest
     raise NoSolutionError(
         f"{plan.scene.name}: no stop from {state.t:g} s was found whose liquids stay below "
         f"{_WIDEST * max(high.values(), default=1.0):.2g} times their max_slosh_height"
@@ -116,6 +124,7 @@ class _Search:
         left: s, that it may take.
         calmer: whether what swings on keeps the limit as stated.
         stays: whether objects have to stay by the whole physics.
+        of_plan: whether what is left of the plan is a start, too.
     """
 
     scene: Scene
@@ -125,6 +134,7 @@ class _Search:
     left: float
     calmer: bool
     stays: bool
+    of_plan: bool
 
     def least(self) -> Found | None:
         """The stop with the least factor; None where none is found."""
@@ -141,6 +151,10 @@ class _Search:
             low, wide, found = (middle, wide, found) if other is None else (low, middle, other)
         return found
 
+    def as_stated(self) -> Found | None:
+        """The fastest stop by the limits as they are stated; None where none is found."""
+        return self._within(1.0)
+
     def _within(self, factor: float) -> Found | None:
         """The fastest stop that was found with a factor."""
         cargo = tuple(
@@ -151,8 +165,19 @@ class _Search:
         )
         part = self.scene.motion.residual_fraction / (factor if self.calmer else 1.0)
         scene = replace(self.scene, cargo=cargo, motion=replace(self.scene.motion, residual_fraction=part))
-        found = found_from_afar(scene, self.state, self.joint_path, self.left)
+        found = found_from_afar(scene, self.state, self.joint_path, self.left, of_plan=self.of_plan)
         return None if found is None or (self.stays and not found.stays) else found
+
+
+def _what_is_left(plan: Plan, state: MotionState, residual: float) -> Recovery | None:
+    """What is left of a plan as the stop, where it keeps every limit from a state; None else."""
+    certificate = judge_motion(state.rest, stopping_scene(plan.scene, state, residual)).certificate
+    if not certificate.ok:
+        return None
+    left = plan.duration - state.t
+    nearest = describe(certificate.worst)
+    stop = Stop(state.t, left, left, float(state.rest.s[-1]), "rest of the plan", nearest, state.rest, 0.0, NO_BOUND)
+    return Recovery(stop, certificate, {}, 0.0)
 
 
 def _above(scene: Scene) -> dict[str, float]:

@@ -172,18 +172,21 @@ def found_from_afar(
     left: float,
     most: float | None = None,
     splice: Splice | None = None,
+    *,
+    of_plan: bool = False,
 ) -> Found | None:
     """The first certified stop that is found from smooth motions, at most as long as `left`, s; None where none is.
 
     Where objects stay in none of those that the equations of the scene give, it is solved by the whole physics; where
     they stay in none of these either, it is a stop that says so (`Found.stays`). What takes longer than `most`, s, is
-    given up before it is certified; that is `left` by default.
+    given up before it is certified; that is `left` by default. What is left of the plan is where it starts from, too,
+    where a splice is given or `of_plan`.
     """
     most = left if most is None else most
-    found = _from_smooth_motions(scene, scene.fidelity, state, joint_path, left, most, splice)
+    found = _from_smooth_motions(scene, scene.fidelity, state, joint_path, left, most, splice, of_plan)
     if found is None or found.stays:
         return found
-    return _from_smooth_motions(scene, "full", state, joint_path, left, most, splice) or found
+    return _from_smooth_motions(scene, "full", state, joint_path, left, most, splice, of_plan) or found
 
 
 def _staying(found: Found | None) -> Found | None:
@@ -198,14 +201,16 @@ def _from_smooth_motions(
     left: float,
     most: float,
     splice: Splice | None,
+    of_plan: bool,
 ) -> Found | None:
     """The first certified stop whose objects stay, by problems of some fidelity; where none is the last certified one.
 
-    First from what is left of the plan: where that converges and no stop follows, none is looked for further. Where two
+    First from what is left of the plan: where that converges and no stop follows, none is looked for further, with a
+    splice. Where two
     motions lead to the same one before anything is tightened, the second one is left out: the same would follow.
     """
     task, known, last = Task.of(replace(scene, fidelity=fidelity)), list[float](), None
-    for start, begin in _from_afar(task, state, joint_path, left, of_plan=splice is not None):
+    for start, begin in _from_afar(task, state, joint_path, left, of_plan=of_plan or splice is not None):
         active = _first(task, state)
         first = _solved(active, start, None, begin)
         duration = first.stages.duration
@@ -215,7 +220,7 @@ def _from_smooth_motions(
         found = _certified(scene, state, active, first, most, splice)
         if found is not None and found.stays:
             return found
-        if found is None and begin is _REST:
+        if found is None and begin is _REST and splice is not None:
             return None
         last = found or last
     return last

@@ -23,6 +23,7 @@ from nospill.plans.warnings.arm import doubts, no_mass
 from nospill.plans.warnings.liquids import distance_to_the_rim, sloping_wall
 from nospill.plans.warnings.objects import hardly_meant, outer_volume
 from nospill.plans.warnings.record import Facts, PlanWarning, warning_lines
+from nospill.plans.warnings.second_order import remedied
 from nospill.robots.robot import Doubt
 from nospill.scenario import read_scenario
 from nospill.scene.containers.vessels import Profile
@@ -117,6 +118,30 @@ def test_a_crest_of_second_order_over_its_limit(
     for warning in warnings.values():
         assert warning.value is not None and warning.value > 1.03 * 2e-3 and warning.limit == 2e-3
         assert "over the limit" in warning.text and "verify DIR --water" in warning.text
+        assert 'plan with motion.slosh_height = "second order"' in warning.text
+
+
+@pytest.mark.parametrize(
+    ("index", "changes", "remedy"),
+    [
+        (0, {}, 'motion.residual_height = "nonlinear"'),
+        (2, {}, 'motion.residual_height = "second order"'),
+        (0, {"motion.slosh_height": "linear"}, 'motion.slosh_height = "second order" and motion.residual_height'),
+        (0, {"fidelity": "deliverable"}, 'fidelity = "full" and motion.residual_height = "nonlinear"'),
+        (0, {"cargo.0.liquid_height": "9 mm"}, "a smaller max_slosh_height"),
+    ],
+    ids=["cup", "box", "linear", "published", "shallow"],
+)
+def test_what_is_left_is_led_to_the_key_that_limits_it(
+    changed_scene, index: int, changes: dict[str, Any], remedy: str
+) -> None:
+    """The keys that are named are taken with each other, and make the residual height one of that order."""
+    scene = changed_scene(NAME, changes)
+    is_second = scene.motion.slosh_height == "second order"
+    assert remedied(scene, scene.cargo[index], is_second, True).startswith(f"plan with {remedy}")
+    if "=" in remedy:
+        whole = {"fidelity": "full", "motion.slosh_height": "second order", "motion.residual_height": "nonlinear"}
+        assert scene.changed(whole).motion.residual_height == "nonlinear"
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,8 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
-from nospill.scene.heights import unsupported
+from nospill.scene.heights import by_nonlinear_flow, linear_since, unsupported
+from nospill.scene.scene import Scene
 
 FIRST_ORDER_CREST = 1.0 / 6.0
 """Part of the radius, or of half the side of a box, up to which what the second order adds is not looked at."""
@@ -57,10 +58,32 @@ def second_order(facts: Facts, full: Judgement) -> Iterator[PlanWarning]:
                 order = " to the second order" if in_row else ""
                 parts.append(f"after the end it is {_mm(left)}{order} where {_mm(allowed)} are allowed")
             text = (
-                f"{', '.join(parts)}; plan with a smaller max_slosh_height, and see by nospill verify DIR --water "
-                "whether it is small enough."
+                f"{', '.join(parts)}; {remedied(facts.scene, cargo, in_row, left > allowed)}, and see by nospill "
+                "verify DIR --water what the flow makes of it."
             )
             yield PlanWarning("second order", cargo.name, text, highest, limit)
+
+
+def remedied(scene: Scene, cargo: Cargo, in_row: bool, left_is_over: bool) -> str:
+    """What to plan with: the keys that make limits of these heights, a lower limit where there are none.
+
+    Args:
+        scene: of the plan.
+        cargo: whose liquid it is.
+        in_row: whether its slosh height is judged to the second order already.
+        left_is_over: whether what is left after the end is above its limit.
+    """
+    rules, keys = scene.motion, list[str]()
+    if scene.tracking is not None or linear_since(cargo) is not None or (in_row and rules.stop):
+        return "plan with a smaller max_slosh_height"
+    if scene.fidelity != "full":
+        keys.append('fidelity = "full"')
+    elif not in_row:
+        keys.append('motion.slosh_height = "second order"')
+    if left_is_over and not rules.stop:
+        flow = by_nonlinear_flow(cargo, "nonlinear")
+        keys.append(f'motion.residual_height = "{"nonlinear" if flow else "second order"}"')
+    return f"plan with {' and '.join(keys)}"
 
 
 def _highest(facts: Facts, rows: Mapping[tuple[str, str], Row]) -> list[tuple[Cargo, Filling]]:
