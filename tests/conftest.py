@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import os
 import shutil
@@ -30,6 +31,14 @@ if TYPE_CHECKING:  # a file of tests that plans nothing is run without the plann
     from nospill.plans.plan import Plan
     from nospill.scene.scene import Scene
     from tests.motions import SmoothMotion
+
+# Memory that arrays give back stays in the process (glibc): to ask the system for it again is two fifths of its time.
+_TRIM_THRESHOLD, _TOP_PAD, _MMAP_THRESHOLD = -1, -2, -3
+_mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
+if _mallopt is not None:
+    _mallopt(_TRIM_THRESHOLD, 2**31 - 1)
+    _mallopt(_TOP_PAD, 64 * 2**20)
+    _mallopt(_MMAP_THRESHOLD, 32 * 2**20)  # the largest it takes
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # As a shell starts what it puts in the background; processes started by the tests would inherit it and never stop.

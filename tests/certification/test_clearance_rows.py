@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -140,12 +138,6 @@ def test_nothing_is_judged_where_it_is_switched_off(passing) -> None:
     assert clearance(certificate) == {} and certificate.self_collision is not None
     assert certificate.self_collision.text == "self-collision: not judged (switched off)"
     assert certificate.to_dict()["self_collision"] == {"on": False, "judged": 0, "unjudged": [], "estimated": True}
-
-
-@pytest.mark.slow
-def test_reading_a_scenario_loads_no_library() -> None:
-    code = "import sys, nospill as ns; ns.load('coffee-to-go'); sys.exit('coal' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 @pytest.mark.slow

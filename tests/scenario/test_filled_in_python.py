@@ -26,6 +26,8 @@ from nospill.scenario.fields import PLAUSIBLE, JointValues, Measured, Vector, Wo
 from nospill.scenario.obstacle_entries import OBSTACLE_TABLES
 from nospill.scenario.path_entries import PATH_TABLES
 from nospill.scenario.tables import Table
+from nospill.scene import variants
+from nospill.scene.sloshing import revolved_modes
 
 ROBOT = ns.Robot(model="ur10e")
 TRAY = ns.Tray(size=["335 mm", 0.25], friction=0.47)
@@ -247,7 +249,18 @@ def changes(draw: st.DrawFn, scene: ns.Scene) -> dict[str, Any]:
 @given(st.data())
 @settings(max_examples=12, deadline=None)
 def test_what_the_schema_allows_survives_its_own_text(data: st.DataObject) -> None:
-    """A scene of any shape and path, with any keys that it takes: text and back is the identity."""
+    """A scene of any shape and path, with any keys that it takes: text and back is the identity.
+
+    Tolerances are divided by few looks on a coarse mesh: without that those of one object take up to minutes.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(variants, "_LEVELS", 3)
+        patch.setattr(variants, "_ANGLES", 3)
+        patch.setattr(revolved_modes, "_FEW", 16)
+        survives_its_own_text(data)
+
+
+def survives_its_own_text(data: st.DataObject) -> None:
     obstacle = data.draw(st.sampled_from(["", *OBSTACLES]))
     cargo, path = data.draw(st.sampled_from(list(CARGO))), data.draw(st.sampled_from(list(PATHS)))
     scene = ns.load(scenario(cargo, path, obstacle)).changed({"planning.slosh_modes": 1})

@@ -86,12 +86,12 @@ def test_a_real_plan_is_checked_and_drawn_again(
     rigid: tuple[Path, subprocess.CompletedProcess[str]], tmp_path: Path
 ) -> None:
     copy = shutil.copytree(rigid[0], tmp_path / "copy")
-    checked = real("check", str(copy))
-    assert checked.returncode == 0 and checked.stderr == ""
+    checked = CliRunner().invoke(app, ["check", str(copy)])
+    assert checked.exit_code == 0 and checked.stderr == ""
     rows = len(json.loads((copy / "certificate.json").read_text())["rows"])
     assert f"certified as published: all {rows} rows hold on a grid of 2000 Hz" in checked.stdout
-    drawn = real("plot", str(copy))
-    assert drawn.returncode == 0, drawn.stderr
+    drawn = CliRunner().invoke(app, ["plot", str(copy)])
+    assert drawn.exit_code == 0, drawn.stderr
     assert {Path(line).name for line in drawn.stdout.splitlines()} == {
         f"{name}.png" for name in ("joints", "limits", "margins", "other-speeds", "summary", "tilt")
     }
