@@ -90,7 +90,7 @@ def test_whose_heights_the_nonlinear_flow_judges_is_said() -> None:
     ("changes", "told"),
     [
         ({"cargo.cup.tolerance": {"frequency": "2 %"}}, "at other frequencies than stated to the second order"),
-        ({"cargo.cup.tolerance": {"liquid_height": "2 mm"}}, "others as their slosh heights"),
+        ({"cargo.cup.tolerance": {"liquid_height": "2 mm"}}, "others to the second order"),
         (
             {"motion.speed_range": ["50 %", "100 %"], "motion.slosh_height": "second order"},
             "at other speeds than planned to the second order",
@@ -113,7 +113,7 @@ def test_a_residual_height_that_stays_linear_is_said() -> None:
         ({"fidelity": "deliverable", "motion.slosh_height": "second order"}, 'fidelity = "deliverable" is of linear'),
         ({"motion.slosh_height": "linear"}, 'slosh_height = "linear" says so; leave one of the two out'),
         ({"motion.speed_range": ["50 %", "100 %"]}, 'state slosh_height = "second order" too'),
-        ({"tolerance": {"tracking": {"delay": "5 ms"}}}, "tolerance.tracking heights are followed to the first order"),
+        ({"tolerance": {"tracking": {"delay": "5 ms"}}}, "over a band of arms heights after the end are those of the modes"),
     ],
 )
 def test_why_no_residual_is_of_second_order_is_said_and_helps(changes: dict[str, object], told: str) -> None:
