@@ -38,7 +38,7 @@ def test_a_cup_relieved_of_its_weight_stays_and_slides_where_the_inertia_against
     plan = example_plan("matrix-rigid")
     state, joint_path = plan.state_at(0.348), joint_path_of(plan)
     scene, left = stopping_scene(plan.scene, state), plan.duration - state.t
-    published = _from_smooth_motions(scene, "deliverable", state, joint_path, left, left, None)
+    published = _from_smooth_motions(scene, "deliverable", state, joint_path, left, left, None, False)
     assert published is not None and not published.stays
     assert not _played(plan, published.stop).ok
     stop, found = stop_from(plan, state, joint_path, None)

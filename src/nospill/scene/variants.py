@@ -206,10 +206,13 @@ def _between(frequency: Callable[[float], float], most: float, count: int, fines
     """
     between: list[float] = []
     for end in (-most, most):
+        stated, last = frequency(0.0), frequency(end)
+        steps = int(np.ceil(abs(np.log(last / stated)) / FREQUENCY_STEP - _ROUNDING))
+        if steps <= 1:
+            continue
         changes = np.linspace(0.0, end, count)
-        frequencies = [frequency(by) for by in changes.tolist()]
-        steps = int(np.ceil(abs(np.log(frequencies[-1] / frequencies[0])) / FREQUENCY_STEP - _ROUNDING))
-        wanted = np.linspace(frequencies[0], frequencies[-1], max(steps, 1) + 1)[1:-1]
+        frequencies = [stated, *(frequency(by) for by in changes[1:-1].tolist()), last]
+        wanted = np.linspace(stated, last, steps + 1)[1:-1]
         order = np.argsort(frequencies)
         levels = np.interp(wanted, np.array(frequencies)[order], changes[order])
         between += [round(float(level) / finest) * finest for level in levels]
