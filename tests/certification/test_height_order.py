@@ -113,7 +113,7 @@ def test_a_residual_height_that_stays_linear_is_said() -> None:
         ({"fidelity": "deliverable", "motion.slosh_height": "second order"}, 'fidelity = "deliverable" is of linear'),
         ({"motion.slosh_height": "linear"}, 'slosh_height = "linear" says so; leave one of the two out'),
         ({"motion.speed_range": ["50 %", "100 %"]}, 'state slosh_height = "second order" too'),
-        ({"tolerance": {"tracking": {"delay": "5 ms"}}}, "over a band of arms heights after the end are those of the modes"),
+        ({"tolerance": {"tracking": {"delay": "5 ms"}}}, "heights after the end are those of the modes"),
     ],
 )
 def test_why_no_residual_is_of_second_order_is_said_and_helps(changes: dict[str, object], told: str) -> None:
