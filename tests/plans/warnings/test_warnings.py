@@ -411,6 +411,17 @@ def test_a_crest_of_second_order_is_not_called_linear(found, judgement: Judgemen
     assert list(slower_warnings(read_scenario(NAME), raised, full, (), None)) == []
 
 
+def test_a_crest_of_the_flow_is_not_called_one_of_second_order(found, judgement: Judgement) -> None:
+    rows = tuple(
+        replace(row, worst_value=0.012, linear_value=0.003) if row.id == ("slosh height", "cup") else row
+        for row in judgement.certificate.rows
+    )
+    asked = {"motion.slosh_height": "nonlinear"}
+    warnings = found(asked, certificate=replace(judgement.certificate, rows=rows))
+    assert "nonlinear flow is seldom in doubt" in warnings["crest", "cup"].text
+    assert ("driven by turns", "cup") not in warnings
+
+
 @pytest.mark.parametrize(("linear", "warned"), [(0.0041, False), (0.0039, True)])
 def test_heights_that_turns_drive_are_told(found, judgement: Judgement, linear: float, warned: bool) -> None:
     rows = tuple(

@@ -16,6 +16,7 @@ from nospill.plans.warnings.record import Facts, PlanWarning
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.containers.footprints import DiscFootprint
 from nospill.scene.containers.leaning import edge_of_plane
+from nospill.scene.heights import HeightOrder, by_nonlinear_flow
 from nospill.scene.liquids import Liquid
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from nospill.scene.surface_tension.meniscus import WETTED, meniscus_in
@@ -60,15 +61,17 @@ def _mm(length: float) -> str:
 def crest(facts: Facts) -> Iterator[PlanWarning]:
     """The liquid rises beyond what its surface is believed for."""
     to_order = {row.subject for row in facts.judgement.certificate.rows if row.linear_value is not None}
+    flow = _judged_by_flow(facts, facts.scene.motion.slosh_height)
     for cargo, filling, value in _crests(facts):
         side = float(np.min(cargo.container.section(filling.liquid_height).half_lengths))
         limit = LINEAR_CREST * side
         if value > limit:
-            believed = (
-                "the flow of second order is believed, see nospill verify DIR --water"
-                if cargo.name in to_order
-                else "the linear slosh model is believed"
-            )
+            believed = "the linear slosh model is believed"
+            if cargo.name in to_order:
+                which = (
+                    "nonlinear flow is seldom in doubt" if cargo.name in flow else "flow of second order is believed"
+                )
+                believed = f"the {which}, see nospill verify DIR --water"
             text = (
                 f"the crest rises {_mm(value)}, more than a third of the radius or half side ({_mm(limit)}), up to "
                 f"which {believed}; a smaller max_slosh_height keeps to it."
@@ -90,8 +93,15 @@ def breaking(facts: Facts) -> Iterator[PlanWarning]:
 
 def driven_by_turns(facts: Facts) -> Iterator[PlanWarning]:
     """The second order is much more than the first: turns of the tray drive it, and what comes next is not small."""
+    motion = facts.scene.motion
+    orders: dict[str, HeightOrder] = {
+        SloshHeight.name: motion.slosh_height,
+        ResidualHeight.name: motion.residual_height,
+    }
     for row in facts.judgement.certificate.rows:
         linear = row.linear_value
+        if row.subject in _judged_by_flow(facts, orders.get(row.constraint, "linear")):
+            continue
         if linear is not None and row.worst_value > max(MOST_OVER_LINEAR * linear, MATTERS * row.limit):
             text = (
                 f"of a height of {_mm(row.worst_value)} waves of first order are {_mm(linear)}; turns of the tray "
@@ -129,6 +139,12 @@ def sloping_wall(facts: Facts) -> Iterator[PlanWarning]:
                 f"{100 * SLOPE_ERROR:.3g} %; a smaller max_slosh_height keeps to it."
             )
             yield PlanWarning("sloping wall", cargo.name, text, abs(rises / value - 1.0), SLOPE_ERROR)
+
+
+def _judged_by_flow(facts: Facts, order: HeightOrder) -> frozenset[str]:
+    """The liquids whose height the nonlinear flow judges, where the scene says this order of it."""
+    found = (item.name for item in facts.scene.cargo if by_nonlinear_flow(item, order))
+    return frozenset() if facts.scene.motion.stop else frozenset(found)
 
 
 def _crests(facts: Facts) -> Iterator[tuple[Cargo, Filling, float]]:
