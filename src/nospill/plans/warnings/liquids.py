@@ -93,10 +93,10 @@ def breaking(facts: Facts) -> Iterator[PlanWarning]:
 
 def driven_by_turns(facts: Facts) -> Iterator[PlanWarning]:
     """The second order is much more than the first: turns of the tray drive it, and what comes next is not small."""
-    motion = facts.scene.motion
+    rules = facts.scene.motion
     orders: dict[str, HeightOrder] = {
-        SloshHeight.name: motion.slosh_height,
-        ResidualHeight.name: motion.residual_height,
+        SloshHeight.name: rules.slosh_height,
+        ResidualHeight.name: rules.residual_height,
     }
     for row in facts.judgement.certificate.rows:
         linear = row.linear_value
