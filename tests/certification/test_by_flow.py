@@ -106,7 +106,7 @@ def test_from_where_a_flow_breaks_down_crests_are_as_high_as_none_is(
     whole, second, _ = judged
     scene, played = whole.changed({"motion.slosh_height": "nonlinear"}), replace(second.replay)
     count, step = 40, 0.005
-    lost = FlowAlong(np.zeros((count, 2, len(flow_terms(cup()).stiffness))), step, count * step)
+    lost = FlowAlong(np.zeros((count, 2, len(flow_terms(cup()).stiffness))), step, (count - 1) * step)
     monkeypatch.setattr(by_flow, "flows_along", lambda objects, *_: [lost] * len(objects))
     crests, end = crests_by_flow(scene, played)["cup"], int(np.searchsorted(played.t, (count - 1) * step))
     greatest = greatest_height(flow_terms(next(item for item in scene.cargo if item.name == "cup")).basin)

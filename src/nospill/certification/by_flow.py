@@ -80,11 +80,13 @@ def crests_by_flow(scene: Scene, played: Replay) -> dict[str, np.ndarray]:
         played: the motion, from rest.
     """
     followed = _followed(scene, scene.motion.slosh_height)
+    if not followed:
+        return {}
     flows = _flows_along(tuple(_Itself(cargo) for cargo, _ in followed), _Itself(played), len(played.t) - 1)
     found = {}
     for (cargo, own), flow in zip(followed, flows, strict=True):
         assert cargo.filling is not None  # `by_nonlinear_flow` says so
-        basin, reached = flow_terms(cargo).basin, played.t - played.t[0] <= flow.step * (len(flow.states) - 1)
+        basin, reached = flow_terms(cargo).basin, played.t <= (np.inf if flow.breaks_at is None else flow.breaks_at)
         fast = ~np.any(height_gains(cargo.oscillators, basin), axis=0)
         displacement = np.where(fast, played.slosh_displacement[reached][:, own], 0.0)
         body = rows_at(played.body[:, reached], np.array([*cargo.position, 0.0]), cargo.yaw)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -36,7 +37,10 @@ def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> 
     stays that of the modes.
     """
     liquids, waves, flows = _liquids(scene), dict[str, Waves](), dict[int, dict[str, Left]]()
-    crests = crests_by_flow(scene, played)
+
+    @cache  # where no height is judged, the replay may be of the arm alone
+    def crests() -> dict[str, np.ndarray]:
+        return crests_by_flow(scene, played)
 
     def left(name: str, index: int) -> float:
         if index not in flows:
@@ -50,7 +54,7 @@ def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> 
 
     def judged(trace: Trace) -> Trace:
         if trace.constraint == SloshHeight.name:
-            of_flow = crests.get(trace.subject)
+            of_flow = crests().get(trace.subject)
             value = followed_waves(trace.subject).crests if of_flow is None else of_flow
         else:
             standing = np.clip(np.searchsorted(played.t, trace.t - 0.5 / played.rate), 0, len(played.t) - 1)

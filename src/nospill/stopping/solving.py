@@ -205,9 +205,9 @@ def _from_smooth_motions(
 ) -> Found | None:
     """The first certified stop whose objects stay, by problems of some fidelity; where none is the last certified one.
 
-    First from what is left of the plan: where that converges and no stop follows, none is looked for further, with a
-    splice. Where two
-    motions lead to the same one before anything is tightened, the second one is left out: the same would follow.
+    First from what is left of the plan: where a splice is given, that converges, and no stop follows, none is looked
+    for further. Where two motions lead to the same one before anything is tightened, the second one is left out: the
+    same would follow.
     """
     task, known, last = Task.of(replace(scene, fidelity=fidelity)), list[float](), None
     for start, begin in _from_afar(task, state, joint_path, left, of_plan=of_plan or splice is not None):
