@@ -100,6 +100,15 @@ def test_a_slosh_height_by_the_flow_is_judged(judged: tuple[Scene, Judgement, Ju
     assert crests_by_flow(stop, second.replay) == {}
 
 
+def test_a_replay_of_the_arm_alone_has_no_crests(judged: tuple[Scene, Judgement, Judgement]) -> None:
+    """As the torques at the ends of a range of speeds ask for."""
+    whole, second, _ = judged
+    scene, played = whole.changed({"motion.slosh_height": "nonlinear"}), second.replay
+    bare = replace(played, slosh_displacement=played.slosh_displacement[:, :0])
+    joints = [trace for trace in second.traces if trace.constraint == "joint speed"]
+    assert joints and with_second_order(joints, scene, bare) == tuple(joints)
+
+
 def test_from_where_a_flow_breaks_down_crests_are_as_high_as_none_is(
     judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch
 ) -> None:

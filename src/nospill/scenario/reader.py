@@ -348,8 +348,8 @@ def _check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
         reason = linear_since(item)
         if reason is not None:
             raise ScenarioError(
-                f'slosh_height = "{stated}": it is not known of {as_written(item.name)}, for {reason}; leave '
-                "slosh_height out, and the height of that liquid alone is linear"
+                f'slosh_height = "{stated}": it is not known of {as_written(item.name)}, for {reason}; write '
+                'slosh_height = "linear", or leave it out'
             )
 
 
