@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nospill.potential_flow import driven, rows_at, second_order_states
-from nospill.potential_flow.driven import recursion
+from nospill.potential_flow.driven_along import recursion
 from nospill.potential_flow.orders import first_order, second_order_sources
 from nospill.potential_flow.solving import two_orders
 from nospill.scene.cargo import Cargo

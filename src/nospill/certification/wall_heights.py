@@ -27,8 +27,9 @@ def highest_on_wall(cargo: Cargo, modes: SurfaceModes, linear: np.ndarray, added
     where: slice | np.ndarray = slice(None)
     if not isinstance(cargo.container, Cylinder):  # of a box the corners: no yaw mode is higher elsewhere
         where = np.flatnonzero(np.all(np.abs(modes.wall) > (1 - 1e-9) * half, axis=1))
-    shapes = np.hstack([modes.wall[where] / half, modes.wall_shape[where]])
-    heights = np.hstack([linear, added]).T
+    moved = np.flatnonzero(np.any(added, axis=0))  # of a cup's modes of second order six of ten
+    shapes = np.hstack([modes.wall[where] / half, modes.wall_shape[where][:, moved]])
+    heights = np.vstack([linear.T, added.T[moved]])
     highest = np.empty(heights.shape[1])
     for first in range(0, len(highest), _AT_ONCE):  # what stays in the cache is several times as fast
         part = slice(first, first + _AT_ONCE)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 from nospill.native import operations
@@ -32,13 +33,14 @@ _FILES = {
         "sparse_ldl.c",
     ),
     "interpreter": ("interpreter.c",),
-    "flow": ("fused_products.c", "flow_vectors.c", "polar_flow.c", "polar_steps.c"),
+    "flow": ("fused_products.c", "flow_vectors.c", "polar_flow.c", "polar_steps.c", "driven_waves.c"),
 }
 """The files of each, compiled as one."""
 LIBRARIES = tuple(_FILES)
 """Their names."""
 
 
+@cache
 def source(name: str) -> str:
     """The C source of a library of `LIBRARIES`."""
     parts = [Path(__file__).with_name(file).read_text(encoding="utf-8") for file in _FILES[name]]

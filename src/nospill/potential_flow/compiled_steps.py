@@ -34,8 +34,7 @@ from where a flow has broken down on they are those of none."""
 def compiled_steps(terms: LinearTerms) -> Steps | None:
     """Steps of these terms as machine code; None for a rectangle, and where the library cannot be had, or not yet."""
     polar = terms.basin.modes.polar
-    library = small_library("flow", wait=False) if polar is not None else None
-    code = None if library is None else _loaded(library)
+    code = flow_library() if polar is not None else None
     if polar is None or code is None:
         return None
     tables, counts = _tables(terms, polar), _counts(polar, len(terms.stiffness))
@@ -75,6 +74,12 @@ def _aligned(*shape: int) -> np.ndarray:
     room = np.empty(size + _ALIGNED // 8)
     first = -room.ctypes.data % _ALIGNED // 8
     return room[first : first + size].reshape(*shape, CUPS)
+
+
+def flow_library() -> ctypes.CDLL | None:
+    """The library of flows; None where it cannot be had, or not yet."""
+    library = small_library("flow", wait=False)
+    return None if library is None else _loaded(library)
 
 
 @lru_cache(maxsize=8)

@@ -46,9 +46,16 @@ def runge_kutta(
 
 def rows_at(body: np.ndarray, place: np.ndarray, yaw: float = 0.0) -> np.ndarray:
     """Rows (9, m) about a point as rows about `place` (3,), m, in the same axes, then in axes turned by `yaw`, rad."""
-    omega, alpha, force = body[:3], body[3:6], body[6:]
-    arm = np.asarray(place, dtype=float)[:, None]
-    there = force + np.cross(alpha, arm, axis=0) + np.cross(omega, np.cross(omega, arm, axis=0), axis=0)
-    c, s = np.cos(yaw), np.sin(yaw)
-    turned = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return np.concatenate([turned @ omega, turned @ alpha, turned @ there])
+    (p, q, r), (a, b, c), force = body[:3], body[3:6], body[6:]
+    x, y, z = (float(part) for part in place)
+    along, square = x * p + y * q + z * r, p * p + q * q + r * r  # omega x (omega x d) = (omega d) omega - omega^2 d
+    there = np.empty_like(body)
+    there[:6] = body[:6]
+    there[6] = force[0] + (b * z - c * y + along * p - square * x)
+    there[7] = force[1] + (c * x - a * z + along * q - square * y)
+    there[8] = force[2] + (a * y - b * x + along * r - square * z)
+    if yaw:
+        cosine, sine = np.cos(yaw), np.sin(yaw)
+        for vector in there[:3], there[3:6], there[6:]:
+            vector[:2] = cosine * vector[0] + sine * vector[1], cosine * vector[1] - sine * vector[0]
+    return there
