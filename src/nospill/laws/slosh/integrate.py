@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from nospill.core.batches import call
+from nospill.core.batches import repeated
 from nospill.errors import ModelError
 
 SX = ca.SX
 
-STEPS = 500
+STEPS = 125
 """Number of steps that a `step_sequence` makes in one call."""
 SHARED = (1, 2, 3, 4)
 """Places of the arguments of a `runge_kutta_step` that are the same for all liquids."""
-_NESTED = 23
+_NESTED = 11
 _TOLERANCE, _ROUGH_TOLERANCE = 1e-7, 1e-5
 """m; of displacements on two grids, and of the last two along a motion that is rough."""
 _LARGEST_REFINEMENT = 64
@@ -64,7 +64,7 @@ def runge_kutta_step(rate: Callable[[SX, SX, SX], SX], *, states: int, inputs: i
 
 
 def step_sequence(step: Any) -> Any:
-    """500 steps one after another as one function, in CasADi's virtual machine.
+    """Many steps one after another as one function, in CasADi's virtual machine.
 
     Args:
         step: a `runge_kutta_step`.
@@ -95,6 +95,20 @@ def integrate(
     Returns:
         (m + 1, liquids, n) states at the ends of the steps.
     """
+    states = np.empty((len(lengths) + 1, *np.shape(starts)))
+    states[0] = starts
+    for reached, liquids, found in pieces(steps, starts, inputs=inputs, lengths=lengths, parameters=parameters):
+        states[reached, liquids] = found
+    return states
+
+
+def pieces(
+    steps: Any, starts: np.ndarray, *, inputs: np.ndarray, lengths: np.ndarray, parameters: np.ndarray
+) -> Iterator[tuple[slice, slice, np.ndarray]]:
+    """What `integrate` puts together, piece by piece: whoever takes them at once finds them in the processor's cache.
+
+    Each is some states of some liquids, (k, l, n), after the slices that say which.
+    """
     count, (liquids, size), at_once = len(lengths), np.shape(starts), steps.size2_in(0)
     missing = -count % STEPS
     # Steps of no length fill the last sequence. Every array is a transposed one, as CasADi keeps its matrices: no call
@@ -102,18 +116,17 @@ def integrate(
     instants = np.concatenate([inputs.T, np.repeat(inputs.T[-1:], 2 * missing, axis=0)])
     ends = [instants[first : first + 2 * (count + missing) : 2].T for first in range(3)]
     durations = np.concatenate([np.asarray(lengths, dtype=float), np.zeros(missing)])[None]
-    states = np.empty((count + missing + 1, liquids, size))
-    states[0] = starts
+    advance = repeated(steps)
     for first in range(0, liquids, at_once):
         chosen = np.minimum(np.arange(first, first + at_once), liquids - 1)  # the last more than once, where some miss
-        state, numbers, kept = states[0, chosen].T, np.asarray(parameters)[chosen].T, min(at_once, liquids - first)
+        state, numbers = np.asarray(starts)[chosen].T, np.asarray(parameters)[chosen].T
+        last = min(first + at_once, liquids)
         for begin in range(0, count, STEPS):
-            part = slice(begin, begin + STEPS)
-            reached = call(steps, state, *[columns[:, part] for columns in ends], durations[:, part], numbers)
+            part, end = slice(begin, begin + STEPS), min(begin + STEPS, count)
+            reached = advance(state, *[columns[:, part] for columns in ends], durations[:, part], numbers)
             by_step = reached.T.reshape(STEPS, at_once, size)
-            states[begin + 1 : begin + STEPS + 1, first : first + kept] = by_step[:, :kept]
+            yield slice(begin + 1, end + 1), slice(first, last), by_step[: end - begin, : last - first]
             state = by_step[-1].T
-    return states[: count + 1]
 
 
 def refined(solve: Callable[[int], np.ndarray], *, displacements: int) -> Integral:
