@@ -9,7 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from nospill.collisions.bodies import Body
-from nospill.collisions.distances import Distances, separation
+from nospill.collisions.body_arrays import BodyArrays
+from nospill.collisions.distances import Distances
+from nospill.collisions.supports import separations
 from nospill.core.shapes import (
     Shape,
     box_shape,
@@ -29,6 +31,14 @@ SOLIDS: dict[str, Draw] = {
     "capsule": lambda random: capsule_shape(radius := float(random.uniform(0.05, 0.2)), 2.5 * radius),
     "hull": lambda random: hull_shape(random.uniform(-0.3, 0.3, (12, 3))),
 }
+
+
+def separation(
+    one: Body, other: Body, frames: JointFrames, samples: np.ndarray, directions: np.ndarray, ahead: np.ndarray
+) -> np.ndarray:
+    """How far directions (m, 3) separate two bodies (m,), m."""
+    sides = np.repeat([[0], [1]], len(samples), axis=1)
+    return separations(BodyArrays.of([one, other]), sides, frames, samples, directions, ahead)
 
 
 def still(count: int, joints: int = 1) -> JointFrames:

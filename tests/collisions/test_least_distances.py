@@ -11,6 +11,7 @@ from nospill.collisions.bodies import Body
 from nospill.collisions.distances import Distances
 from nospill.collisions.least_distances import least_distances
 from nospill.collisions.motion_bounds import SampledMotion
+from nospill.collisions.pair_arrays import PairArrays
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.core.shapes import sphere_shape
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
@@ -58,7 +59,7 @@ def test_bounds_are_below_the_distances_and_near_them(changed_scene, example: st
     for pair in pairs:
         least = float(np.min(Distances(pair.first, pair.second).at(frames, every)[0]))
         true[pair.subject] = min(true.get(pair.subject, np.inf), least)
-    found = least_distances(motion, pairs)
+    found = least_distances(motion, PairArrays.of(motion.chain, pairs))
     assert [item.pair.subject for item in found] == list(true)
     for item in found:
         gap = true[item.pair.subject] - item.distance
@@ -80,12 +81,22 @@ def test_a_limit_that_is_kept_by_little_is_said_to_be_kept(changed_scene) -> Non
             tight.append(replace(pair, limit=float(np.min(distances)) - 5e-5))
     assert len(tight) > 10
     for pair in tight:
-        [found] = least_distances(motion, [pair])
+        [found] = least_distances(motion, PairArrays.of(motion.chain, [pair]))
         assert -3e-5 <= found.distance - pair.limit <= 6e-5, pair.subject  # some of it is the last half step
 
 
-def test_without_pairs_there_is_no_distance(changed_scene) -> None:
-    assert least_distances(swinging(changed_scene("coffee-to-go", {"obstacle": OBSTACLES}), 3, seconds=0.3), []) == ()
+@pytest.mark.parametrize("beyond", [np.inf, 0.05])
+def test_pairs_looked_at_together_have_what_each_has_alone(changed_scene, beyond: float) -> None:
+    """Their questions are measured in one batch; no answer depends on what is asked beside it."""
+    scene = changed_scene("coffee-to-go", {"obstacle": OBSTACLES})
+    motion, pairs = swinging(scene, 2, seconds=0.5), scene_pairs(scene)
+    together = least_distances(motion, PairArrays.of(motion.chain, pairs), beyond=beyond)
+    assert len(together) > 20
+    for item in together:
+        same = [pair for pair in pairs if pair.subject == item.pair.subject]
+        [alone] = least_distances(motion, PairArrays.of(motion.chain, same), beyond=beyond)
+        assert alone.pair is item.pair and alone.at == item.at
+        assert alone.distance == pytest.approx(item.distance, rel=1e-12, abs=1e-15)
 
 
 def test_an_obstacle_in_the_gap_between_two_samples_is_caught(changed_scene) -> None:
@@ -103,9 +114,9 @@ def test_an_obstacle_in_the_gap_between_two_samples_is_caught(changed_scene) -> 
     pair = Pair(wrist, ball, 0.0)
     at_samples = Distances(wrist, ball).at(joint_frames(motion.chain, motion.q), np.arange(11))[0]
     assert np.min(at_samples) > 0.01  # nothing is seen at the samples
-    assert least_distances(motion, [pair])[0].distance < 0.0
+    assert least_distances(motion, PairArrays.of(motion.chain, [pair]))[0].distance < 0.0
     aside = Pair(wrist, Body("ball", 0, sphere_shape(0.005), place + np.array([0.0, 0.0, 0.6]), np.eye(3)), 0.0)
-    assert least_distances(motion, [aside])[0].distance > 0.0
+    assert least_distances(motion, PairArrays.of(motion.chain, [aside]))[0].distance > 0.0
 
 
 @pytest.mark.parametrize("name", ["ur10e", "franka-fr3", "comau-smart-six"])
@@ -158,7 +169,8 @@ def test_of_bodies_of_one_name_the_one_with_the_least_room_counts(changed_scene)
     for pair in pairs:
         room = float(np.min(Distances(pair.first, pair.second).at(frames, some)[0])) - pair.limit
         true[pair.subject] = min(room, true.get(pair.subject, np.inf))
-    found = {item.pair.subject: item for item in least_distances(motion, pairs, beyond=0.05)}
+    arrays = PairArrays.of(motion.chain, pairs)
+    found = {item.pair.subject: item for item in least_distances(motion, arrays, beyond=0.05)}
     assert found.keys() == true.keys() and len({pair.limit for pair in pairs}) > 3
     assert min(true.values()) < 0.05
     for subject, item in found.items():

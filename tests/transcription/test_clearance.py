@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from nospill.collisions.bodies import region_bodies
-from nospill.collisions.distances import Distances, separation
+from nospill.collisions.body_arrays import BodyArrays
+from nospill.collisions.distances import Distances
 from nospill.collisions.pairs import Pair, scene_pairs
 from nospill.collisions.planes import reaching
+from nospill.collisions.supports import separations
 from nospill.core.attitudes import matrices, tray_quaternions
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance, clearance_row
@@ -111,7 +113,8 @@ def test_the_rows_agree_with_coal_and_no_plane_flatters(subject: str, base: Base
             here = np.zeros(1, dtype=int)
             of_coal, direction = Distances(pair.first, pair.second).at(frames, here)
             # of a cup coal has a polyhedron about it
-            distance = float(separation(pair.first, pair.second, frames, here, direction, np.zeros(1))[0])
+            bodies, sides = BodyArrays.of([pair.first, pair.second]), np.array([[0], [1]])
+            distance = float(separations(bodies, sides, frames, here, direction, np.zeros(1))[0])
             assert of_coal[0] == pytest.approx(distance, abs=1e-6 if "left" not in subject else 2e-4)
             # a disc that faces its plane reaches a thousandth of its radius too far, to the safe side
             spare = 1e-3 * sum(float(np.max(body.shape.discs)) for body in (pair.first, pair.second))

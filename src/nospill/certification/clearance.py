@@ -14,6 +14,7 @@ from nospill.certification.verdict import Row, Trace
 from nospill.collisions.distances import distances_of
 from nospill.collisions.least_distances import LeastDistance, least_distances
 from nospill.collisions.motion_bounds import SampledMotion
+from nospill.collisions.pair_arrays import arrays_of_pairs
 from nospill.collisions.pairs import scene_pairs
 from nospill.laws.constraints.clearance import Clearance
 from nospill.robots.kinematics.frames import arm_chain, joint_frames
@@ -45,9 +46,9 @@ def clearance_rows(
     if not scene.keeps_distances:
         return []
     motion = SampledMotion(arm_chain(scene.robot), t, q, qd, qdd)
-    pairs = scene_pairs(scene, loaded=loaded)
-    around = least_distances(motion, [pair for pair in pairs if not pair.of_arm])
-    of_arm = least_distances(motion, [pair for pair in pairs if pair.of_arm], beyond=NEAR)
+    outside, own = arrays_of_pairs(scene, loaded)
+    around = () if outside is None else least_distances(motion, outside)
+    of_arm = () if own is None else least_distances(motion, own, beyond=NEAR)
     near = [nearest for nearest in of_arm if nearest.distance < NEAR]
     others = [nearest for nearest in of_arm if nearest.distance >= NEAR]
     rows = [_row(nearest) for nearest in (*around, *near)]

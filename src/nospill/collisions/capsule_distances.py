@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from nospill.collisions.bodies import Body
+from nospill.collisions.body_arrays import BodyArrays
 from nospill.robots.kinematics.frames import JointFrames
 
 _PARALLEL = 1e-12
@@ -33,8 +34,16 @@ class CapsuleDistances:
 
     def at(self, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (m,), m, and unit directions (m, 3) from the first body to the second, at some of the samples."""
-        lengths, away = _lengths(nearest_gaps(*(_ends([body], frames, samples) for body in (self.first, self.second))))
-        return lengths[0] - self._radii, away[0]
+        sides = np.repeat([[0], [1]], len(samples), axis=1)
+        return capsules_at(BodyArrays.of((self.first, self.second)), sides, frames, samples)
+
+
+def capsules_at(
+    bodies: BodyArrays, sides: np.ndarray, frames: JointFrames, samples: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Distances (m,), m, and unit directions (m, 3) of capsules, by both numbers (2, m), at some samples (m,)."""
+    lengths, away = _lengths(nearest_gaps(*(bodies.ends_at(side, frames, samples) for side in sides)))
+    return lengths - np.sum(bodies.ball[sides], axis=0), away
 
 
 def capsule_distances(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> np.ndarray:
@@ -69,12 +78,12 @@ def _lengths(gaps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return lengths, away
 
 
-def _ends(bodies: Sequence[Body], frames: JointFrames, samples: np.ndarray | slice = slice(None)) -> np.ndarray:
-    """(k, m, 2, 3) ends of the axes in base axes, m."""
+def _ends(bodies: Sequence[Body], frames: JointFrames) -> np.ndarray:
+    """(k, m, 2, 3) ends of the axes at all configurations in base axes, m."""
     joints = [body.joint for body in bodies]
     points = np.array([body.points[[0, -1]] for body in bodies])
-    turned = points[:, None] @ np.swapaxes(frames.rotation[joints][:, samples], 2, 3)
-    return frames.position[joints][:, samples][:, :, None] + turned
+    turned = points[:, None] @ np.swapaxes(frames.rotation[joints], 2, 3)
+    return frames.position[joints][:, :, None] + turned
 
 
 def _from_ends(ends: np.ndarray, segment: np.ndarray) -> np.ndarray:

@@ -1,8 +1,6 @@
-"""Distances of two bodies at given configurations, by coal, and bounds on them that do not depend on coal.
+"""Distances of two bodies at given configurations, by coal, with the directions in which they are nearest.
 
-The signed distance of two convex bodies is the largest over all directions n of how far n separates them, so any
-direction gives a lower bound. coal finds the best direction; how far it separates is computed here from the bodies'
-support functions.
+How far these separate the bodies is computed in `supports`: a bound that does not depend on coal.
 """
 
 from __future__ import annotations
@@ -15,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from nospill.collisions.bodies import Body
+from nospill.collisions.body_arrays import BodyArrays
 from nospill.collisions.capsule_distances import CapsuleDistances, are_capsules
-from nospill.core.arrays import cross
 from nospill.core.shapes import Shape, polyhedron
 from nospill.robots.kinematics.frames import JointFrames
 
@@ -49,22 +47,35 @@ class Distances:
         self._result.clear()
         return float(self._measure(self._transform(turn, place), self._still, self._request, self._result))
 
+    @property
+    def normal(self) -> np.ndarray:
+        """(3,) direction in which they were found to be nearest the last time, in the frame of the second."""
+        return self._result.normal  # type: ignore[no-any-return]
+
     def at(self, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances (m,), m, and unit directions (m, 3) from the first body to the second, at some of the samples."""
-        (positions, rotations), (others, turns) = (_pose(body, frames, samples) for body in (self.first, self.second))
-        back = np.swapaxes(turns, 1, 2)
-        gaps, turned = (back @ (positions - others)[:, :, None])[:, :, 0], back @ rotations
-        distance, normals = np.empty(len(samples)), np.empty((len(samples), 3))
-        for index, (gap, turn) in enumerate(zip(gaps, turned, strict=True)):
-            distance[index] = self.between(turn, gap)
-            normals[index] = self._result.normal
-        if self.second.shape.kind == "halfspace":
-            directions = -turns[:, :, 2]
-        else:
-            directions = (turns @ normals[:, :, None])[:, :, 0]
-        lengths = np.linalg.norm(directions, axis=1, keepdims=True)
-        # what gives no direction gives no bound either: any will do
-        return distance, np.where(lengths > _SHORTEST, directions / np.maximum(lengths, _SHORTEST), [0.0, 0.0, 1.0])
+        bodies, sides = BodyArrays.of((self.first, self.second)), np.repeat([[0], [1]], len(samples), axis=1)
+        return distances_by_coal([self] * len(samples), bodies, sides, frames, samples)
+
+
+def distances_by_coal(
+    pairs: Sequence[Distances], bodies: BodyArrays, sides: np.ndarray, frames: JointFrames, samples: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Distances (m,), m, and unit directions (m, 3) of pairs (m,), with both numbers (2, m), at some samples (m,)."""
+    positions, rotations = bodies.poses(sides[0], frames, samples)
+    others, turns = bodies.poses(sides[1], frames, samples)
+    back = np.swapaxes(turns, 1, 2)
+    gaps, turned = (back @ (positions - others)[:, :, None])[:, :, 0], back @ rotations
+    distance, normals = np.empty(len(pairs)), np.empty((len(pairs), 3))
+    for index, (pair, gap, turn) in enumerate(zip(pairs, gaps, turned, strict=True)):
+        distance[index] = pair.between(turn, gap)
+        normals[index] = pair.normal
+    directions = (turns @ normals[:, :, None])[:, :, 0]
+    flat = np.array([pair.second.shape.kind == "halfspace" for pair in pairs], dtype=bool)
+    directions[flat] = -turns[flat, :, 2]
+    lengths = np.linalg.norm(directions, axis=1, keepdims=True)
+    # what gives no direction gives no bound either: any will do
+    return distance, np.where(lengths > _SHORTEST, directions / np.maximum(lengths, _SHORTEST), [0.0, 0.0, 1.0])
 
 
 def distances_of(first: Body, second: Body) -> Distances | CapsuleDistances:
@@ -84,50 +95,6 @@ def ball_gaps(pairs: Sequence[tuple[Body, Body]], frames: JointFrames) -> np.nda
     centres = frames.position[joints] + (frames.rotation[joints] @ points[:, None, :, None])[..., 0]
     radii = np.array([body.radius for body in numbers])
     return np.linalg.norm(centres[first] - centres[second], axis=2) - (radii[first] + radii[second])[:, None]
-
-
-def separation(
-    first: Body,
-    second: Body,
-    frames: JointFrames,
-    samples: np.ndarray,
-    directions: np.ndarray,
-    ahead: np.ndarray,
-) -> np.ndarray:
-    """How far given directions (m, 3) separate two bodies (m,), m, `ahead` (m,) s later at steady speeds."""
-    reach = _support(first, frames, samples, directions, ahead)
-    return -_support(second, frames, samples, -directions, ahead) - reach
-
-
-def _support(
-    body: Body, frames: JointFrames, samples: np.ndarray, direction: np.ndarray, ahead: np.ndarray
-) -> np.ndarray:
-    """Largest coordinate (m,) of a body along unit directions (m, 3) in base axes, every point moved on by its speed.
-
-    With the frame's velocities v, w, a point r in it moves on by t (v + w x r), so along n it has n (p + t v) + g r
-    with g = R^T (n + t n x w); a disc of radius r about a in the frame adds r |g - a (a g)|, a ball its radius.
-    """
-    joint, shape = body.joint, body.shape
-    later = ahead[:, None]
-    if joint:
-        pull = direction + later * cross(direction, frames.angular_velocity[joint][samples])
-        pull = (pull[:, None] @ frames.rotation[joint][samples])[:, 0]
-        base = frames.position[joint][samples] + later * frames.velocity[joint][samples]
-        along = np.sum(direction * base, axis=1)
-    else:
-        pull, along = direction, np.zeros(len(direction))
-    values = pull @ body.points.T
-    if np.any(shape.discs):
-        axis = body.rotation[:, 2]
-        across = np.linalg.norm(pull - (pull @ axis)[:, None] * axis, axis=1)
-        values = values + across[:, None] * shape.discs
-    return along + np.max(values, axis=1) + shape.ball
-
-
-def _pose(body: Body, frames: JointFrames, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Position (m, 3) and axes (m, 3, 3) of a body's own frame."""
-    turns = frames.rotation[body.joint][samples]
-    return frames.position[body.joint][samples] + turns @ body.position, turns @ body.rotation
 
 
 @lru_cache(maxsize=512)

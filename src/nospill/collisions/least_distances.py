@@ -16,24 +16,30 @@ with the same bound, spare most pairs and blocks the search for n.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from nospill.collisions.bodies import Body
 from nospill.collisions.box_bounds import box_bounds
-from nospill.collisions.capsule_distances import CapsuleDistances, are_capsules, capsules_apart
-from nospill.collisions.distances import Distances, distances_of, separation
+from nospill.collisions.capsule_distances import capsules_apart, capsules_at
+from nospill.collisions.distances import Distances, distances_by_coal
 from nospill.collisions.motion_bounds import SampledMotion
+from nospill.collisions.pair_arrays import PairArrays
 from nospill.collisions.pairs import Pair
-from nospill.core.arrays import cross
-from nospill.robots.kinematics.frames import JointFrames, axis_reach, joint_frames
+from nospill.collisions.supports import separations
+from nospill.robots.kinematics.frames import JointFrames, joint_frames
+
+_Question = tuple[int, int, np.ndarray]
+"""Number of a pair, size of its blocks, and which (k,) of them."""
+_Answer = tuple[np.ndarray, np.ndarray]
+"""Distances (k,) in the middle of these blocks, and bounds (k,) over the whole of each, m."""
 
 _BLOCK = 128
 """Samples in a block at first."""
 _SHARED = 8
-"""Size of blocks from which on all frames are found at once."""
+"""Size of blocks from which on the frames at all middles are found at once."""
 _EXACT, _SHARE = 1e-4, 0.1
 """How far a stated distance may lie below the true one: m, or a part of what it is above its limit; never below that
 limit where the true one is above it, but for the last half step."""
@@ -54,9 +60,7 @@ class LeastDistance:
     at: float
 
 
-def least_distances(
-    motion: SampledMotion, pairs: Sequence[Pair], *, beyond: float = np.inf
-) -> tuple[LeastDistance, ...]:
+def least_distances(motion: SampledMotion, pairs: PairArrays, *, beyond: float = np.inf) -> tuple[LeastDistance, ...]:
     """Of every subject among pairs the distance that leaves the least slack, in the order of their first ones.
 
     Args:
@@ -64,14 +68,25 @@ def least_distances(
         pairs: with the distance that each must keep.
         beyond: distance, m, from which on nothing is looked at more closely: one above it is some bound on the least.
     """
-    subjects: dict[str, list[Pair]] = {}
-    for pair in pairs:
-        subjects.setdefault(pair.subject, []).append(pair)
-    if not subjects:
-        return ()
     search = _Search(motion, pairs, beyond)
-    nearest = [(group, *search.least_of(group)) for group in subjects.values()]
-    return tuple(LeastDistance(group[number], distance, at) for group, number, distance, at in nearest)
+    searches = [search.least_of(group) for group in pairs.groups]
+    asked: dict[int, _Question] = {}
+    found: dict[int, tuple[int, float, float]] = {}
+
+    def go_on(number: int, answer: _Answer | None) -> None:
+        asked.pop(number, None)
+        try:
+            asked[number] = next(searches[number]) if answer is None else searches[number].send(answer)
+        except StopIteration as end:
+            found[number] = end.value
+
+    for number in range(len(searches)):
+        go_on(number, None)
+    while asked:  # what all of them ask for next is measured together
+        numbers = list(asked)
+        for number, answer in zip(numbers, search.measured([asked[number] for number in numbers]), strict=True):
+            go_on(number, answer)
+    return tuple(LeastDistance(pairs.pairs[pair], distance, at) for _, (pair, distance, at) in sorted(found.items()))
 
 
 class _Blocks:
@@ -86,59 +101,52 @@ class _Blocks:
     def __init__(self, motion: SampledMotion, around: np.ndarray, size: int) -> None:
         starts = np.arange(0, len(motion.t), size)
         ends = np.minimum(starts + size, len(motion.t))
-        self._motion = motion
         self.middle = (starts + ends - 1) // 2
         self.time = (np.maximum(self.middle - starts, ends - 1 - self.middle) + 0.5) * motion.step
         self.drift = 0.5 * np.maximum.reduceat(around, starts, axis=0) * self.time[:, None] ** 2
-        self._all = self._of(self.middle) if size >= _SHARED else None
-
-    def frames(self, chosen: np.ndarray) -> tuple[JointFrames, np.ndarray]:
-        """Frames of the arm, and where among them the middles of some blocks are."""
-        if self._all is not None:
-            return self._all, chosen
-        return self._of(self.middle[chosen]), np.arange(len(chosen))
-
-    def _of(self, samples: np.ndarray) -> JointFrames:
-        return joint_frames(self._motion.chain, self._motion.q[samples], self._motion.qd[samples])
 
 
 class _Search:
     """What the pairs share: bounds on accelerations, and the partitions of the samples, finer and finer."""
 
-    def __init__(self, motion: SampledMotion, pairs: Sequence[Pair], beyond: float) -> None:
+    def __init__(self, motion: SampledMotion, pairs: PairArrays, beyond: float) -> None:
         self.motion, self.pairs, self.beyond = motion, pairs, beyond
-        bodies: dict[Body, int] = {}
-        for pair in pairs:
-            for body in (pair.first, pair.second):
-                bodies.setdefault(body, len(bodies))
-        self.number = bodies
-        reach = [
-            axis_reach(motion.chain, body.joint, body.points, float(np.max(body.shape.discs, initial=0.0)))
-            for body in bodies
-        ]
-        self.around = motion.around_samples(np.array(reach).T)
+        self.around = motion.around_samples(pairs.reach)
         self.partitions: dict[int, _Blocks] = {}
+        self.measures: dict[int, Distances] = {}
+        sizes = [_BLOCK >> power for power in range(_BLOCK.bit_length()) if _BLOCK >> power >= _SHARED]
+        known = np.unique(np.concatenate([self.blocks(size).middle for size in sizes]))
+        self.row = np.full(len(motion.t), -1)
+        self.row[known], self.frames = np.arange(len(known)), self._frames_at(known)
         first = self.blocks(_BLOCK)
-        frames, _ = first.frames(np.arange(len(first.middle)))
-        self.low = dict(zip(pairs, self._of_balls(frames, first), strict=True))
-        self.middle: dict[Pair, np.ndarray] = {}
+        columns = self.row[first.middle]
+        frames = JointFrames(*(getattr(self.frames, item.name)[:, columns] for item in fields(JointFrames)))
+        drift = first.drift[:, pairs.sides[0]] + first.drift[:, pairs.sides[1]]
+        self.low = pairs.ball_gaps(frames, first.time) - drift.T
+        self.middle: dict[int, np.ndarray] = {}
         if beyond < np.inf:
             self._look_at_the_near(frames, first)
+        self.nearest, self.least = np.argmin(self.low, axis=1).tolist(), np.min(self.low, axis=1).tolist()
 
     def _look_at_the_near(self, frames: JointFrames, first: _Blocks) -> None:
         """Better bounds over the first blocks, from directions found for many pairs at once.
 
         Two capsules are nearest in closed form; of what the arm carries it is the box about it that is near a link.
         """
-        near = [pair for pair in self.pairs if float(np.min(self.low[pair])) < self.beyond]
-        capsules = [pair for pair in near if are_capsules(pair.first, pair.second)]
-        carried = [pair for pair in near if pair.of_arm and pair.first.on_path]
-        distances, between = capsules_apart([(pair.first, pair.second) for pair in capsules], frames)
-        _, away = box_bounds([(pair.first, pair.second) for pair in carried], frames)
-        self.middle = dict(zip(capsules, distances, strict=True))
-        every = np.arange(len(first.middle))
-        for pair, directions in zip([*capsules, *carried], [*between, *away], strict=True):
-            self.low[pair] = np.maximum(self.low[pair], self._of_directions(pair, first, every, directions))
+        near = np.min(self.low, axis=1) < self.beyond
+        capsules, carried = np.flatnonzero(near & self.pairs.capsules), np.flatnonzero(near & self.pairs.carried)
+        distances, between = capsules_apart(self._bodies(capsules), frames)
+        _, away = box_bounds(self._bodies(carried), frames)
+        self.middle = dict(zip(capsules.tolist(), distances, strict=True))
+        own, every = np.concatenate([capsules, carried]), np.arange(len(first.middle))
+        which, blocks = np.repeat(own, len(every)), np.tile(every, len(own))
+        drift = first.drift[blocks, self.pairs.sides[:, which]].sum(axis=0)
+        directions = np.concatenate([between, away]).reshape(-1, 3)
+        bounds = self._separated(which, frames, blocks, directions, first.time[blocks]) - drift
+        np.maximum.at(self.low, own, bounds.reshape(-1, len(every)))
+
+    def _bodies(self, numbers: np.ndarray) -> list[tuple[Body, Body]]:
+        return [(pair.first, pair.second) for pair in (self.pairs.pairs[number] for number in numbers.tolist())]
 
     def blocks(self, size: int) -> _Blocks:
         """The partition in blocks of so many samples."""
@@ -146,85 +154,103 @@ class _Search:
             self.partitions[size] = _Blocks(self.motion, self.around, size)
         return self.partitions[size]
 
-    def least_of(self, pairs: Sequence[Pair]) -> tuple[int, float, float]:
+    def least_of(self, group: Sequence[int]) -> Generator[_Question, _Answer, tuple[int, float, float]]:
         """Of some pairs the one with the least slack above its limit: its number, its distance, m, and where, s."""
-        number, (least, at) = 0, self._least(pairs[0], np.inf)
-        for own, pair in enumerate(pairs[1:], start=1):
-            lower = pair.limit - pairs[number].limit
-            distance, when = self._least(pair, least + lower)
+        nearest, (least, at) = group[0], (yield from self._least(group[0], np.inf))
+        for pair in group[1:]:
+            lower = self.pairs.pairs[pair].limit - self.pairs.pairs[nearest].limit
+            distance, when = yield from self._least(pair, least + lower)
             if distance < least + lower:
-                number, least, at = own, distance, when
-        return number, least, at
+                nearest, least, at = pair, distance, when
+        return nearest, least, at
 
-    def _least(self, pair: Pair, known: float) -> tuple[float, float]:
+    def _least(self, pair: int, known: float) -> Generator[_Question, _Answer, tuple[float, float]]:
         """The least distance of one pair, m, and where, s: of those measured and of all bounds that were enough.
 
         Where it cannot be below a known distance, m, it is some distance that is not below it either.
         """
-        size, blocks = _BLOCK, self.blocks(_BLOCK)
-        low = self.low[pair]
-        if float(np.min(low)) >= min(known, self.beyond):
-            return float(np.min(low)), float(self.motion.t[int(np.argmin(low)) * _BLOCK])
-        measure = distances_of(pair.first, pair.second)
+        nearest, least = self.nearest[pair], self.least[pair]
+        if least >= min(known, self.beyond):
+            return least, float(self.motion.t[nearest * _BLOCK])
+        size, low, limit = _BLOCK, self.low[pair], self.pairs.pairs[pair].limit
         # the most promising block first: what it has spares most of the others
-        nearest = int(np.argmin(low))
-        distance, _ = self._measured(pair, measure, blocks, np.array([nearest]))
-        best, at = float(distance[0]), int(blocks.middle[nearest])
-        far = low >= self._enough(best, pair.limit)
+        distance, _ = yield from self._asked(pair, size, np.array([nearest]))
+        best, at = float(distance[0]), int(self.blocks(size).middle[nearest])
+        far = low >= self._enough(best, limit)
         bound = float(np.min(low[far], initial=np.inf))
         chosen = np.flatnonzero(~far)
         while len(chosen):
-            distance, low = self._measured(pair, measure, blocks, chosen)
+            distance, low = yield from self._asked(pair, size, chosen)
             nearest = int(np.argmin(distance))
             if distance[nearest] < best:
-                best, at = float(distance[nearest]), int(blocks.middle[chosen[nearest]])
-            done = (low >= self._enough(best, pair.limit)) | (size == 1)
+                best, at = float(distance[nearest]), int(self.blocks(size).middle[chosen[nearest]])
+            done = (low >= self._enough(best, limit)) | (size == 1)
             bound = float(np.min(low[done], initial=bound))
             size //= 2
             halves = np.concatenate([2 * chosen[~done], 2 * chosen[~done] + 1])
             if not len(halves):
                 break
-            blocks = self.blocks(size)
-            chosen = halves[halves < len(blocks.middle)]
+            chosen = halves[halves < len(self.blocks(size).middle)]
         return min(bound, best), float(self.motion.t[at])
 
-    def _measured(
-        self, pair: Pair, measure: Distances | CapsuleDistances, blocks: _Blocks, chosen: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Distances (k,) in the middle of some blocks, and bounds (k,) over the whole of each, m."""
-        if pair in self.middle and blocks is self.partitions[_BLOCK]:
+    def _asked(self, pair: int, size: int, chosen: np.ndarray) -> Generator[_Question, _Answer, _Answer]:
+        if pair in self.middle and size == _BLOCK:
             return self.middle[pair][chosen], self.low[pair][chosen]
-        frames, places = blocks.frames(chosen)
-        distance, directions = measure.at(frames, places)
-        return distance, self._of_directions(pair, blocks, chosen, directions)
+        return (yield pair, size, chosen)
 
-    def _of_directions(self, pair: Pair, blocks: _Blocks, chosen: np.ndarray, directions: np.ndarray) -> np.ndarray:
-        """Bounds (k,) over the whole of some blocks, m, by a direction (k, 3) for each that separates the bodies."""
-        frames, places = blocks.frames(chosen)
-        time, both = blocks.time[chosen], np.concatenate([places, places])
-        ends = np.concatenate([-time, time])
-        bounds = separation(pair.first, pair.second, frames, both, np.concatenate([directions, directions]), ends)
-        return np.min(bounds.reshape(2, -1), axis=0) - self._drift(pair, blocks)[chosen]
+    def measured(self, questions: Sequence[_Question]) -> list[_Answer]:
+        """The answers, all found together."""
+        partitions, counts = [self.blocks(size) for _, size, _ in questions], [len(part) for _, _, part in questions]
+        which = np.repeat([pair for pair, _, _ in questions], counts)
+        middle, time, drift = [], [], []
+        for (pair, _, chosen), blocks in zip(questions, partitions, strict=True):
+            first, second = self.pairs.sides[:, pair]
+            middle.append(blocks.middle[chosen])
+            time.append(blocks.time[chosen])
+            drift.append(blocks.drift[chosen, first] + blocks.drift[chosen, second])
+        frames, places = self._frames(np.concatenate(middle))
+        distance, directions = self._apart(which, frames, places)
+        low = self._separated(which, frames, places, directions, np.concatenate(time)) - np.concatenate(drift)
+        ends = np.cumsum(counts)[:-1]
+        return list(zip(np.split(distance, ends), np.split(low, ends), strict=True))
 
-    def _of_balls(self, frames: JointFrames, blocks: _Blocks) -> np.ndarray:
-        """Bounds (p, k) of all pairs over the first blocks by the balls about the bodies, m."""
-        balls = [_ball(body, frames) for body in self.number]
-        centre, speed = (np.array([ball[part] for ball in balls]) for part in (0, 1))
-        first = np.array([self.number[pair.first] for pair in self.pairs])
-        second = np.array([self.number[pair.second] for pair in self.pairs])
-        gap = centre[second] - centre[first]
-        direction = gap / np.maximum(np.linalg.norm(gap, axis=2, keepdims=True), 1e-12)
-        radii = np.array([pair.first.radius + pair.second.radius for pair in self.pairs])
-        for index, pair in enumerate(self.pairs):
-            if pair.second.shape.kind == "halfspace":
-                direction[index], radii[index] = -pair.second.rotation[:, 2], pair.first.radius
-        apart = np.sum(direction * gap, axis=2)
-        closing = np.abs(np.sum(direction * (speed[second] - speed[first]), axis=2)) * blocks.time
-        drift = blocks.drift[:, first] + blocks.drift[:, second]
-        return apart - radii[:, None] - closing - drift.T
+    def _frames(self, samples: np.ndarray) -> tuple[JointFrames, np.ndarray]:
+        """Frames of the arm, and where among them those at some samples (k,) are."""
+        places = self.row[samples]
+        if np.all(places >= 0):
+            return self.frames, places
+        some, places = np.unique(samples, return_inverse=True)
+        return self._frames_at(some), places
 
-    def _drift(self, pair: Pair, blocks: _Blocks) -> np.ndarray:
-        return blocks.drift[:, self.number[pair.first]] + blocks.drift[:, self.number[pair.second]]
+    def _frames_at(self, samples: np.ndarray) -> JointFrames:
+        return joint_frames(self.motion.chain, self.motion.q[samples], self.motion.qd[samples])
+
+    def _apart(self, which: np.ndarray, frames: JointFrames, places: np.ndarray) -> _Answer:
+        """Distances (k,) of pairs (k,), m, and directions (k, 3) in which they are nearest, at some configurations."""
+        distance, directions = np.empty(len(which)), np.empty((len(which), 3))
+        bodies, sides, capsules = self.pairs.bodies, self.pairs.sides[:, which], self.pairs.capsules[which]
+        if np.any(capsules):
+            own = sides[:, capsules]
+            distance[capsules], directions[capsules] = capsules_at(bodies, own, frames, places[capsules])
+        if not np.all(capsules):
+            measures, own = [self._measure(pair) for pair in which[~capsules].tolist()], sides[:, ~capsules]
+            found = distances_by_coal(measures, bodies, own, frames, places[~capsules])
+            distance[~capsules], directions[~capsules] = found
+        return distance, directions
+
+    def _measure(self, pair: int) -> Distances:
+        if pair not in self.measures:
+            self.measures[pair] = Distances(self.pairs.pairs[pair].first, self.pairs.pairs[pair].second)
+        return self.measures[pair]
+
+    def _separated(
+        self, which: np.ndarray, frames: JointFrames, places: np.ndarray, directions: np.ndarray, time: np.ndarray
+    ) -> np.ndarray:
+        """How far directions (k, 3) separate pairs (k,) for times (k,), s, about some configurations at least, m."""
+        both, ends = np.concatenate([directions, directions]), np.concatenate([-time, time])
+        sides = np.tile(self.pairs.sides[:, which], 2)
+        bounds = separations(self.pairs.bodies, sides, frames, np.tile(places, 2), both, ends)
+        return np.min(bounds.reshape(2, -1), axis=0)  # type: ignore[no-any-return]
 
     def _enough(self, best: float, limit: float) -> float:
         """Bound from which on a block needs no closer look, where the least distance found is `best`."""
@@ -232,10 +258,3 @@ class _Search:
         # of what is left, that it may be told from nothing
         loose = max(min(_EXACT, 0.5 * left), _SHARE * left) if left > 0.0 else _EXACT
         return min(best - loose, self.beyond)
-
-
-def _ball(body: Body, frames: JointFrames) -> tuple[np.ndarray, np.ndarray]:
-    """Centre (k, 3), m, and its velocity (k, 3), m/s, of the ball about a body."""
-    arm = frames.rotation[body.joint] @ body.centre
-    speed = frames.velocity[body.joint] + cross(frames.angular_velocity[body.joint], arm)
-    return frames.position[body.joint] + arm, speed
