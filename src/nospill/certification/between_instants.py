@@ -53,13 +53,16 @@ def peaks_between(
 
 
 def with_peaks(traces: Iterable[Trace], peaks: Iterable[Trace]) -> tuple[Trace, ...]:
-    """The traces, with the instants of the peaks among theirs; at most one trace of peaks for each.
+    """The traces, with the instants of the peaks that use more of a limit among theirs; at most one trace of each.
 
     Heights of second order are known on the grid alone, where they are smooth.
     """
     between = {peak.id: peak for peak in peaks}
     return tuple(
-        _merge(trace, between[trace.id]) if trace.id in between and trace.linear is None else trace for trace in traces
+        _merge(trace, peak)
+        if trace.linear is None and (peak := between.get(trace.id)) and np.max(peak.use) > np.max(trace.use)
+        else trace
+        for trace in traces
     )
 
 

@@ -17,7 +17,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-_CHUNK = 512
+_LARGEST, _SMALLEST = 512, 256
+"""Samples in a chunk; below the least another one costs more than what fills this one up."""
 
 
 def thread_count() -> int:
@@ -81,12 +82,21 @@ def call(function: Any, *arguments: np.ndarray) -> np.ndarray:
     Raises:
         ValueError: another number of arguments, or one of another size than its input, or something sparse.
     """
-    columns = [_columns(argument) for argument in arguments]
-    result = np.empty(_dense_sizes(function)[1] or (0, 0))
+    return repeated(function)(*arguments)
+
+
+def repeated(function: Any) -> Callable[..., np.ndarray]:
+    """`call` of one function many times, one after the other: what it works in is made once."""
     buffer, evaluate_now = function.buffer()
-    _connect(function, buffer, columns, result)
-    evaluate_now()
-    return result.T
+    shape = _dense_sizes(function)[1] or (0, 0)
+
+    def again(*arguments: np.ndarray) -> np.ndarray:
+        columns, result = [_columns(argument) for argument in arguments], np.empty(shape)
+        _connect(function, buffer, columns, result)
+        evaluate_now()
+        return result.T
+
+    return again
 
 
 def _columns(argument: np.ndarray) -> np.ndarray:
@@ -133,18 +143,29 @@ def evaluate(function: Any, columns: list[np.ndarray], shared: np.ndarray) -> np
     """
     count = columns[0].shape[1]
     at_once, outputs = _batch_sizes(function)
-    chunk = min(_CHUNK, -(-count // at_once) * at_once)
-    mapped = _map_function(function, chunk)
-    whole = -(-count // chunk) * chunk
-    inputs = [_pad_rows(_columns(column), whole) for column in columns]
+    chunks = _chunks(count, at_once)
+    inputs = [_padded(column, sum(chunks)) for column in columns]
     parameters = _columns(shared)
-    result = np.empty((whole, outputs))
-    buffer, evaluate_now = mapped.buffer()
-    for first in range(0, whole, chunk):
-        part = slice(first, first + chunk)
+    result = np.empty((sum(chunks), outputs))
+    first = 0
+    for chunk in chunks:
+        mapped, part = _map_function(function, chunk), slice(first, first + chunk)
+        buffer, evaluate_now = mapped.buffer()
         _connect(mapped, buffer, [*(input[part] for input in inputs), parameters], result[part])
         evaluate_now()
+        first += chunk
     return result[:count].T
+
+
+@lru_cache(maxsize=256)
+def _chunks(count: int, at_once: int) -> tuple[int, ...]:
+    """Powers of two that hold so many samples, so that few mapped forms serve all counts."""
+    chunks, left = [], count
+    while left > 0:
+        chunk = min(_LARGEST, 1 << (left.bit_length() - 1)) if left > _SMALLEST else 1 << (left - 1).bit_length()
+        chunks.append(max(chunk, at_once))
+        left -= chunk
+    return tuple(chunks)
 
 
 @lru_cache(maxsize=256)
@@ -153,13 +174,17 @@ def _batch_sizes(function: Any) -> tuple[int, int]:
     return columns_at_once(function, [function.n_in() - 1]), function.size1_out(0)
 
 
-def _pad_rows(samples: np.ndarray, count: int) -> np.ndarray:
-    """As many samples, one a row; the last again and again behind those that are there."""
-    missing = count - len(samples)
+def _padded(columns: np.ndarray, count: int) -> np.ndarray:
+    """As many samples, one a row (`_columns`); the last again and again behind those that are there."""
+    samples = np.asarray(columns, dtype=float).T
+    if len(samples) == count:
+        return np.ascontiguousarray(samples)
     # np.pad does the same in two and a half times the time
-    return np.concatenate([samples, np.repeat(samples[-1:], missing, axis=0)]) if missing else samples
+    padded = np.empty((count, samples.shape[1]))
+    padded[: len(samples)], padded[len(samples) :] = samples, samples[-1]
+    return padded
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=128)
 def _map_function(function: Any, count: int) -> Any:
     return over_columns(function, count, [function.n_in() - 1])
