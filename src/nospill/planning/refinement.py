@@ -224,6 +224,8 @@ def _refine_until_certified(
                 if active.members == before.active.members:
                     break
                 raise diagnosis.infeasible_with_more(judged.judgement.certificate.worst, judged.trajectory.end_time)
+        if better.stages.duration >= below:
+            break
         try:
             following = _judge(better, log, else_from=start)
         except NoSolutionError:

@@ -157,7 +157,8 @@ class Task:
         """
         if self.scene.planned_modes < 2 or (refined and not self.smooth_alone):
             return self.scene
-        return replace(self.scene, motion=self.scene.motion.without_flow)
+        motion = self.scene.motion.without_flow
+        return self.scene if motion is self.scene.motion else replace(self.scene, motion=motion)
 
     def _refined(self, variant: Variant, modes: int) -> Variant:
         refined = _with_excited_modes(variant, modes)
