@@ -13,6 +13,7 @@ from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.full_model import full_scene, with_full_model
 from nospill.certification.verdict import Row
 from nospill.certification.wording import full_model_note
+from nospill.core.trees import flatten
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.residual import free_states
 from nospill.planning.candidate import exported
@@ -111,7 +112,7 @@ def test_residual_played_on_bounds_the_free_motion(index: int) -> None:
     for _ in range(3):
         amplitude = 1e-3 / (1 + np.arange(len(axes)) // 2) ** 1.5
         q, qd = random.normal(size=(2, len(axes))) * amplitude
-        value = residual_height(item, numbers, q, qd * frequency, 1e-4)
+        value = residual_height(item, numbers, flatten(numbers), q, qd * frequency, 1e-4)
         later, _ = free_states(frequency, damping, q, qd * frequency, np.arange(0.0, 10.0, 1e-3))
         highest = free_heights(item, numbers, later).max()
         assert highest <= 1.003 * value

@@ -18,7 +18,6 @@ import numpy as np
 from nospill.compiled import codegen
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX
-from nospill.core.trees import flatten
 from nospill.laws.constraints.residual_height import height_bound
 from nospill.laws.parameters import (
     YAW_AXES,
@@ -40,18 +39,24 @@ _EVERY = 50
 
 
 def residual_height(
-    item: ObjectStructure, numbers: ObjectNumbers, displacement: np.ndarray, velocity: np.ndarray, limit: float
+    item: ObjectStructure,
+    numbers: ObjectNumbers,
+    flat: np.ndarray,
+    displacement: np.ndarray,
+    velocity: np.ndarray,
+    limit: float,
 ) -> float:
     """Height that the surface of a liquid at rest and level never exceeds after the end, m.
 
     Args:
         item: structure of the object.
         numbers: of the object, floats.
+        flat: (n,) the same (`flatten`).
         displacement: (k,) slosh coordinates at the end, m.
         velocity: (k,) likewise, m/s.
         limit: m, for the smoothing of the bound.
     """
-    parameters = np.append(flatten(numbers), limit)
+    parameters = np.append(flat, limit)
     at_once = float(evaluate(_residual_bound(item), [displacement[:, None], velocity[:, None]], parameters)[0, 0])
     if at_once <= limit:
         return at_once

@@ -14,7 +14,8 @@ from nospill.certification.after_end import residual_height
 from nospill.certification.traces import evaluated_traces
 from nospill.laws.constraints.base import EvaluationPoint, RowId
 from nospill.laws.constraints.residual_height import ResidualHeight
-from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.kinds import OF_ALL_OBJECTS
+from nospill.laws.scene_parameters import flat_object_numbers, numbers_of, structure_of
 from nospill.scene.scene import Scene
 
 _LOOKED_AT = 2
@@ -65,4 +66,5 @@ def _played_on(scene: Scene, subject: str, state: np.ndarray, limit: float) -> f
     structure, numbers = structure_of(scene), numbers_of(scene)
     index = next(index for index, cargo in enumerate(scene.cargo) if cargo.name == subject)
     q, qd = state[:, structure.slosh_slices[index]]
-    return residual_height(structure.objects[index], numbers.objects[index], q, qd, abs(limit)) / abs(limit)
+    flat = flat_object_numbers(scene)[index][OF_ALL_OBJECTS:]
+    return residual_height(structure.objects[index], numbers.objects[index], flat, q, qd, abs(limit)) / abs(limit)

@@ -23,6 +23,7 @@ from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EVERYWHERE, OF_OBJECTS, Constraint, EvaluationPoint, worst_figures
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.kinds import (
+    OF_ALL_OBJECTS,
     functions_of_kind,
     limited_object_kind,
     numbers_of_tray,
@@ -120,7 +121,7 @@ def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray], *, 
     it still slows down. Of many modes it is that of the free motion; of one the constraint is a bound, hardly above the
     highest surface.
     """
-    structure, numbers = structure_of(scene), numbers_of(scene)
+    structure, objects, numbers = structure_of(scene), numbers_of(scene).objects, flat_object_numbers(scene)
     owners = {cargo.name: index for index, cargo in enumerate(scene.cargo)}
     slices = structure.slosh_slices
     for trace in traces:
@@ -135,7 +136,8 @@ def _at_end(traces: Iterable[Trace], scene: Scene, states: list[np.ndarray], *, 
         if is_residual and item.modes > 1:
             limit = np.abs(final.limit)
             q, qd = (part[modes, at] for part in states)
-            value = np.array([residual_height(item, numbers.objects[index], q, qd, float(limit[0]))])
+            own = numbers[index][OF_ALL_OBJECTS:]
+            value = np.array([residual_height(item, objects[index], own, q, qd, float(limit[0]))])
             final = replace(final, value=value, margin=limit - value)
         yield final
 
@@ -203,7 +205,8 @@ def _object_figures(scene: Scene, point: EvaluationPoint, columns: list[np.ndarr
 
 def _by_constraint(names: Sequence[str], rows: np.ndarray) -> Figures:
     found: Figures = {}
-    for name, figures in zip(names, rows.reshape(len(names), 3, -1), strict=True):
+    by_rows = np.ascontiguousarray(rows)  # whatever reads a trace reads it several times
+    for name, figures in zip(names, by_rows.reshape(len(names), 3, -1), strict=True):
         found.setdefault(name, []).append(figures)
     return found
 

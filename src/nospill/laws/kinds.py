@@ -83,6 +83,10 @@ def numbers_of_tray(numbers: SceneNumbers) -> SceneNumbers:
     return replace(numbers, path_breaks=(), path_coefficients=(), objects=())
 
 
+OF_ALL_OBJECTS = 2
+"""How many of `numbers_of_object` are not the object's own; they come first."""
+
+
 def numbers_of_object(numbers: SceneNumbers, index: int) -> tuple[Number, Number, ObjectNumbers]:
     """The numbers that the laws of one object read: what the scene gives to all of them, and its own."""
     return numbers.gravity, numbers.residual_fraction, numbers.objects[index]

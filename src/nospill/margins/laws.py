@@ -228,4 +228,4 @@ def _play_on(
     for figure, constraint in zip(figures, constraints, strict=True):
         if constraint.name == ResidualHeight.name:
             allowed = abs(float(figure[1]))
-            figure[0] = allowed - residual_height(item, numbers, q, qd, allowed)
+            figure[0] = allowed - residual_height(item, numbers, flatten(numbers), q, qd, allowed)

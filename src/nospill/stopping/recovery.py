@@ -19,6 +19,7 @@ from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.replay import Replay
 from nospill.certification.verdict import Certificate, Row
 from nospill.certification.wording import describe
+from nospill.core.trees import flatten
 from nospill.errors import NoSolutionError, ScenarioError
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
@@ -252,7 +253,8 @@ def _calm(played: Replay, scene: Scene) -> bool:
     structure, numbers = structure_of(scene), numbers_of(scene)
     q, qd = played.slosh_displacement[-1], played.slosh_velocity[-1]
     return all(
-        residual_height(item, own, q[part], qd[part], cargo.filling.max_slosh_height) <= cargo.filling.max_slosh_height
+        residual_height(item, own, flatten(own), q[part], qd[part], cargo.filling.max_slosh_height)
+        <= cargo.filling.max_slosh_height
         for cargo, item, own, part in zip(
             scene.cargo, structure.objects, numbers.objects, structure.slosh_slices, strict=True
         )
