@@ -57,7 +57,7 @@ class Judgement:
         band: where the joints may be late, the rows over all of their band.
         planned_rows: then the rows of the certificate without it.
         fullest: of every row but those of clearance the trace it is the worst instant of: of the variant that uses most
-            of the limit, with the instants between those of the replay that were looked at.
+            of the limit, with the instants between those of the replay that use more of it.
     """
 
     certificate: Certificate
