@@ -142,9 +142,7 @@ class Dynamics:
         q, qd, qdd = (ca.SX.sym(name, self.n) for name in ("q", "qd", "qdd"))
         load, gravity = ca.SX.sym("load", 13), ca.SX.sym("gravity")
         torque = self.torque(q, qd, qdd, _load_from(load), gravity=gravity)
-        self.torque_function: Any = ca.Function(
-            _NAME, [q, qd, qdd, load, gravity], [ca.densify(torque)], {"cse": True}
-        )
+        self.torque_function: Any = ca.Function(_NAME, [q, qd, qdd, load, gravity], [ca.densify(torque)], {"cse": True})
 
     @cached_property
     def sampled(self) -> Any:
