@@ -114,7 +114,7 @@ def integrated(scene: Scene, trajectory: Trajectory, index: int, t: np.ndarray) 
             rates.append(cup_acceleration(mode, motion, state[:count][part], state[count:][part], spin_free=spin_free))
         return np.concatenate([state[count:], *rates])
 
-    run = solve_ivp(slope, (0, t[-1]), np.zeros(2 * count), "DOP853", t, rtol=1e-10, atol=1e-12, max_step=0.02)
+    run = solve_ivp(slope, (0, t[-1]), np.zeros(2 * count), "DOP853", t, rtol=1e-8, atol=1e-10, max_step=0.02)
     return run.y[:count].T
 
 

@@ -51,10 +51,14 @@ def swinging(scene: Scene, seed: int, *, seconds: float = 2.0, rate: float = 200
 @pytest.mark.slow
 @pytest.mark.parametrize(("example", "seed"), [("cups-past-a-column", 0), ("coffee-to-go", 1)])
 def test_bounds_are_below_the_distances_and_near_them(changed_scene, example: str, seed: int) -> None:
-    """Against the distances at every sample: below them, and by no more than what is promised."""
+    """Against the distances every 2 ms: below them, and by no more than what is promised.
+
+    Bodies accelerate at some 20 m/s^2 here: a distance that is least within such a step is 0.01 mm less at most.
+    """
     scene = changed_scene(example, {"obstacle": OBSTACLES})
     motion, pairs = swinging(scene, seed), scene_pairs(scene)
-    frames, every = joint_frames(motion.chain, motion.q), np.arange(len(motion.t))
+    frames = joint_frames(motion.chain, motion.q[::4])
+    every = np.arange(len(motion.q[::4]))
     true: dict[str, float] = {}
     for pair in pairs:
         least = float(np.min(Distances(pair.first, pair.second).at(frames, every)[0]))

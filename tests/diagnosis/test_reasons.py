@@ -32,19 +32,9 @@ Changed = Callable[..., Scene]
 FEW = {"planning.intervals": 30}
 
 
-FRICTIONLESS = {"tray.friction": 1e-4}
-
-
 def first(name: str, count: int) -> dict[str, Any]:
     """Changes of an example: a coarse grid, and the first of its objects alone."""
     return FEW | {"cargo": read_scenario(name).source["cargo"][:count]}  # type: ignore[index]
-
-
-@pytest.fixture(scope="module")
-def frictionless(changed_scene: Changed) -> tuple[Scene, NoSolutionError]:
-    """A bottle on a tray that holds nothing, and why there is no motion: a search that takes a while."""
-    scene = changed_scene("matrix-rigid", first("matrix-rigid", 1) | FRICTIONLESS)
-    return scene, refusal(scene)
 
 
 def refusal(scene: Scene) -> NoSolutionError:
@@ -89,15 +79,11 @@ def require_named(error: NoSolutionError, named: str, key: str) -> None:
     assert key in [change.place for change in error.changes]
 
 
-def test_friction_that_asks_for_more_than_the_usual_time_is_named(frictionless: tuple[Scene, NoSolutionError]) -> None:
-    require_named(frictionless[1], "slip of", "tray.friction")
-    assert re.match(r"No motion found: slip of c1 uses \d+ % of its limit", str(frictionless[1]))
-
-
-def test_a_suggested_friction_is_enough(frictionless: tuple[Scene, NoSolutionError]) -> None:
-    scene, error = frictionless
-    change = next(change for change in error.changes if change.place == "tray.friction")
-    assert plan(scene.changed(change.values)).certificate.ok
+def test_friction_that_asks_for_more_than_the_usual_time_is_named(changed_scene: Changed) -> None:
+    """A bottle on a tray that holds nothing; that a suggested friction is enough: test_infeasible_cases.py."""
+    error = refusal(changed_scene("matrix-rigid", first("matrix-rigid", 1) | {"tray.friction": 1e-4}))
+    require_named(error, "slip of", "tray.friction")
+    assert re.match(r"No motion found: slip of c1 uses \d+ % of its limit", str(error))
 
 
 def test_too_short_a_duration_is_reported_with_the_least_that_suffices(changed_scene: Changed) -> None:

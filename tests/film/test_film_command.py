@@ -14,7 +14,7 @@ from nospill.cli import app
 from nospill.drawing.timeline import Film
 from nospill.film.overlay import caption, titles_of
 
-SMALL = ["--size", "96x64", "--rate", "2", "--speed", "0.5"]
+SMALL = ["--size", "96x64", "--rate", "1", "--speed", "0.5"]
 
 
 def run(*arguments: str) -> Result:
@@ -23,7 +23,7 @@ def run(*arguments: str) -> Result:
 
 def wanted_pictures(*films: Film) -> int:
     length = max(film.plan.duration for film in films) + 0.4
-    return int(np.ceil(length * 2 / 0.5 - 1e-9)) + 1
+    return int(np.ceil(length / 0.5 - 1e-9)) + 1
 
 
 @pytest.mark.slow
@@ -53,7 +53,7 @@ def test_gif_is_as_long_as_the_motion(folders: tuple[str, str], tmp_path: Path, 
         for index in range(image.n_frames):  # pyright: ignore[reportAttributeAccessIssue]
             image.seek(index)
             total += image.info["duration"] / 1000.0
-    assert total == pytest.approx(wanted_pictures(tilting_film) / 2.0, abs=0.02)
+    assert total == pytest.approx(wanted_pictures(tilting_film), abs=0.02)
 
 
 @pytest.mark.slow

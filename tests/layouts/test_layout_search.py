@@ -96,6 +96,14 @@ def test_a_real_layout_is_certified_apart_and_no_longer() -> None:
     assert best.source["tray"].get("offset", 0.1) >= 0.08 if isinstance(best.source["tray"]["offset"], float) else True
 
 
+@pytest.fixture(scope="module")
+def planned() -> Planner:
+    """A planner that has just planned matrix-liquid; what it foretells changes nothing of it."""
+    planner = Planner()
+    planner.plan(load("matrix-liquid"))
+    return planner
+
+
 @pytest.mark.parametrize(
     "changes",
     [
@@ -104,20 +112,18 @@ def test_a_real_layout_is_certified_apart_and_no_longer() -> None:
         {"cargo.c2.at": [0.0924, 0.06878]},
     ],
 )
-def test_the_multipliers_foretell_what_a_change_brings(changes: dict[str, Any]) -> None:
+def test_the_multipliers_foretell_what_a_change_brings(changes: dict[str, Any], planned: Planner) -> None:
     scene = load("matrix-liquid")
-    planner = Planner()
-    first = planner.plan(scene)
-    assert planner.duration_change(scene) == 0.0
+    assert planned.last is not None and planned.duration_change(scene) == 0.0
     # objects do not feel how the tray is turned on the flange, and no joint is at a limit here
-    assert planner.duration_change(scene.changed({"tray.rotation": [0.02, 0.0, 0.0]})) == pytest.approx(0.0, abs=1e-5)
-    foretold = planner.duration_change(scene.changed(changes))
+    assert planned.duration_change(scene.changed({"tray.rotation": [0.02, 0.0, 0.0]})) == pytest.approx(0.0, abs=1e-5)
+    foretold = planned.duration_change(scene.changed(changes))
     # to the first order: twice the change is twice the time
     twice = {key: (2 * np.array(value) - np.array(_stated(scene, key))).tolist() for key, value in changes.items()}
-    assert planner.duration_change(scene.changed(twice)) == pytest.approx(2 * foretold, rel=0.05)
+    assert planned.duration_change(scene.changed(twice)) == pytest.approx(2 * foretold, rel=0.05)
     if "cargo.*.max_slosh_height" in changes:
         wider = 10 * (0.0152 - 0.015) / 0.015
-        saved = {key.split(" | ")[0]: value for key, value in first.report.savings.items()}
+        saved = {key.split(" | ")[0]: value for key, value in planned.last.report.savings.items()}
         assert -foretold == pytest.approx(wider * saved["slosh height"], rel=0.2)
     else:
         assert foretold != 0.0
@@ -131,14 +137,12 @@ def _stated(scene: Scene, key: str) -> Any:
     }[key]
 
 
-def test_nothing_planned_foretells_nothing() -> None:
+def test_nothing_planned_foretells_nothing(planned: Planner) -> None:
     scene = load("matrix-liquid")
-    planner = Planner()
     with pytest.raises(ScenarioError, match="nothing was planned before; call plan first"):
-        planner.duration_change(scene)
-    planner.plan(scene)
+        Planner().duration_change(scene)
     with pytest.raises(ScenarioError, match="other objects, liquids or rules"):
-        planner.duration_change(scene.changed({"motion.tilt": "free"}))
+        planned.duration_change(scene.changed({"motion.tilt": "free"}))
 
 
 def test_distances_and_their_slopes_of_discs_are_those_of_geometry() -> None:
@@ -224,9 +228,9 @@ RACK = [
 @pytest.mark.parametrize(
     "tables",
     [
-        {"tolerance": {"friction": "5 %", "liquid_height": "1 mm", "position": "3 mm"}},
+        {"tolerance": {"friction": "5 %", "position": "3 mm"}},  # of the level: test_largest_margin.py
         {"controller": {"interface": "ur-servoj", "compensate": True, "lag": "20 ms"}},
-        {"motion": {"end": "residual", "residual_fraction": 0.8, "speed_range": ["90 %", "100 %"]}},
+        {"motion": {"end": "residual", "residual_fraction": 0.8, "speed_range": ["97 %", "100 %"]}},
         {"cargo": RACK, "fidelity": "full"},
     ],
     ids=["tolerance", "controller", "speed range", "carrier"],

@@ -16,7 +16,7 @@ from nospill.errors import ScenarioError
 from nospill.export import EXPORTERS
 from nospill.motion.interpolation import CUBIC_HERMITE, JointSamples, linear_at
 from nospill.motion.resampling import resampled
-from nospill.motion_files.judging import judge
+from nospill.motion_files.judging import JudgedMotion, judge
 from nospill.motion_files.receivers import RECEIVERS
 from nospill.plans.plan import Plan
 
@@ -28,16 +28,22 @@ def plan(gentle_plan: Callable[..., Plan]) -> Plan:
 
 @pytest.fixture(scope="module")
 def files(plan: Plan, tmp_path_factory: pytest.TempPathFactory) -> dict[float, Path]:
-    """JointTrajectory messages of the plan, by points a second."""
+    """JointTrajectory messages of the plan, by points a second; as JSON, which is read in a tenth of YAML's time."""
     folder, found = tmp_path_factory.mktemp("motions"), {}
     for rate in (10.0, 50.0, 1000.0):
-        found[rate] = folder / f"at-{rate:g}.yaml"
+        found[rate] = folder / f"at-{rate:g}.json"
         EXPORTERS["joint-trajectory"].write(resampled(plan.trajectory, rate), plan.scene, found[rate])
     return found
 
 
-def test_the_plan_s_own_motion_has_the_plan_s_rows(plan: Plan, files: dict[float, Path]) -> None:
-    judged = judge(files[1000.0], plan.scene)
+@pytest.fixture(scope="module")
+def dense(plan: Plan, files: dict[float, Path]) -> JudgedMotion:
+    """The densest of them, judged."""
+    return judge(files[1000.0], plan.scene)
+
+
+def test_the_plan_s_own_motion_has_the_plan_s_rows(plan: Plan, dense: JudgedMotion) -> None:
+    judged = dense
     assert judged.certificate.ok and judged.failures() == []
     planned = {row.id: row for row in certify(plan.trajectory, plan.scene).rows}
     compared = [row for row in judged.certificate.rows if row.id in planned]
@@ -122,7 +128,9 @@ def test_a_tray_that_leans_at_the_first_point_is_refused(plan: Plan, tmp_path: P
         judge(tmp_path / "leaning.yaml", plan.scene)
 
 
-def test_a_controller_in_the_scene_plays_the_points_late(plan: Plan, files: dict[float, Path]) -> None:
+def test_a_controller_in_the_scene_plays_the_points_late(
+    plan: Plan, files: dict[float, Path], dense: JudgedMotion
+) -> None:
     """The joints by a first-order lag, as SciPy integrates it, and certified as samples; not the points themselves."""
     lag = 0.03
     scene = plan.scene.changed({"controller": {"lag": lag}})
@@ -133,7 +141,7 @@ def test_a_controller_in_the_scene_plays_the_points_late(plan: Plan, files: dict
     asked = command(t)  # linear between the instants, which is 1e-7 rad off
     followed = np.column_stack([lsim(([1.0], [lag, 1.0]), own - own[0], t)[1] + own[0] for own in asked.T])
     theirs = {row.id: row for row in certify_joints(t, followed, plan.scene).rows}
-    exact = {row.id: row for row in judge(files[1000.0], plan.scene).certificate.rows}
+    exact = {row.id: row for row in dense.certificate.rows}
     apart = 0.0
     for row in judged.certificate.rows:
         if row.constraint in ("slosh height", "slip", "residual height"):
@@ -142,9 +150,9 @@ def test_a_controller_in_the_scene_plays_the_points_late(plan: Plan, files: dict
     assert apart > 0.05  # late joints are another motion
 
 
-def test_tolerances_of_objects_count_for_files_too(plan: Plan, files: dict[float, Path]) -> None:
+def test_tolerances_of_objects_count_for_files_too(plan: Plan, files: dict[float, Path], dense: JudgedMotion) -> None:
     scene = plan.scene.changed({"cargo.0.tolerance": {"liquid_height": "3 mm", "friction": "10 %"}})
-    stated = {row.id: row for row in judge(files[1000.0], plan.scene).certificate.rows}
+    stated = {row.id: row for row in dense.certificate.rows}
     with_tolerance = {row.id: row for row in judge(files[1000.0], scene).certificate.rows}
     assert with_tolerance.keys() == stated.keys()
     worse = [key for key, row in with_tolerance.items() if row.use > stated[key].use + 1e-3 and row.variant]

@@ -77,7 +77,7 @@ def plain_curve() -> SmoothCurve | None:
 
 
 @pytest.mark.slow
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(scale=st.floats(0.05, 20.0), turn=st.floats(-3.0, 3.0), shift=st.floats(-2.0, 2.0))
 def test_size_and_place_do_not_matter(scale: float, turn: float, shift: float) -> None:
     points = scattered(1e-3)[::4]

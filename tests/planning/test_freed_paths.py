@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.spatial import KDTree
@@ -28,12 +30,24 @@ def along() -> ns.Plan:
     return ns.retime(PATH, ns.load(table(PATH.tolist(), cargo=CUP) | {"planning": {"intervals": 25}}))
 
 
+def by_command(scene: ns.Scene, freedom: str, folder: Path) -> ns.Plan:
+    """`nospill retime` of the same."""
+    np.savez(folder / "path.npz", q=PATH)
+    (folder / "cup.toml").write_text(scene.text())
+    files = [str(folder / "path.npz"), "--scenario", str(folder / "cup.toml")]
+    result = nospill("retime", *files, "--freedom", freedom, "-o", str(folder / "plan"))
+    assert result.exit_code == 0, result.stderr
+    return ns.load_plan(folder / "plan")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("tilt", ["fixed", "free"])
-def test_the_tray_stays_near_its_way_and_is_sooner(tilt: str, along: ns.Plan) -> None:
-    width = 0.02
-    scene = ns.load(table(PATH.tolist(), cargo=CUP) | {"planning": {"intervals": 25}})
-    plan = ns.retime(PATH, scene.changed({"path": LINE, "motion.tilt": tilt}), freedom=f"{1e3 * width:g} mm")
+def test_the_tray_stays_near_its_way_and_is_sooner(tilt: str, along: ns.Plan, tmp_path: Path) -> None:
+    """The level tray by the command."""
+    width, scene = 0.02, along.scene
+    asked, freedom = scene.changed({"path": LINE, "motion.tilt": tilt}), f"{1e3 * width:g} mm"
+    plan = ns.retime(PATH, asked, freedom=freedom) if tilt == "free" else by_command(asked, freedom, tmp_path)
+    assert plan.scene.motion.corridor == width
     assert along.certificate.ok and plan.certificate.ok
     assert ns.certify(plan.trajectory, plan.scene, rate=8000.0).ok
     assert plan.duration < along.duration
@@ -76,17 +90,3 @@ def test_a_freedom_that_is_no_length_is_refused(freedom: str | float, says: str)
     with pytest.raises(ns.ScenarioError, match="corridor") as error:
         ns.retime(PATH, ns.load(table(PATH.tolist())), freedom=freedom)
     assert says in str(error.value) and "\n" not in str(error.value)
-
-
-@pytest.mark.slow
-def test_the_command_takes_it(tmp_path) -> None:
-    np.savez(tmp_path / "path.npz", q=PATH)
-    (tmp_path / "cup.toml").write_text(
-        ns.load(table(PATH.tolist(), cargo=CUP) | {"planning": {"intervals": 25}}).text()
-    )
-    result = nospill(
-        "retime", str(tmp_path / "path.npz"), "--scenario", str(tmp_path / "cup.toml"), "--freedom", "20 mm",
-        "-o", str(tmp_path / "plan"),
-    )  # fmt: skip
-    assert result.exit_code == 0, result.stderr
-    assert ns.load_plan(tmp_path / "plan").scene.motion.corridor == 0.02

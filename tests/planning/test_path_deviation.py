@@ -16,7 +16,9 @@ from nospill.planning.candidate import Candidate
 from nospill.planning.planner import Planner, plan
 from nospill.planning.refinement import Judged
 from nospill.plans.loading import load_plan
+from nospill.plans.plan import Plan
 from nospill.scenario import read_scenario, scene_from_table
+from nospill.scene.scene import Scene
 
 pytestmark = pytest.mark.slow
 
@@ -42,15 +44,26 @@ def test_a_corridor_and_a_free_yaw_shorten_the_tilting_motion(example_plan) -> N
     assert certify(given.trajectory, replace(scene, path=given.scene.path)).ok
 
 
-def test_every_freedom_makes_the_motion_shorter_or_equal(changed_scene) -> None:
-    name = "matrix-rigid"
-    source = read_scenario(name).source
-    ends = source["path"]["yaw"]  # type: ignore[index]
-    durations = {}
-    for label, changes in {"given": {}, **FREEDOM}.items():
+def rigid(**changes: object) -> Scene:
+    """The first of the solids of matrix-rigid, on a coarse grid."""
+    scene = read_scenario("matrix-rigid")
+    few = {"planning.intervals": 40, "cargo": scene.source["cargo"][:1]}  # type: ignore[index]
+    return scene.changed(few | changes)
+
+
+@pytest.fixture(scope="module")
+def given() -> Plan:
+    """Exactly on its path."""
+    return plan(rigid())
+
+
+def test_every_freedom_makes_the_motion_shorter_or_equal(given: Plan) -> None:
+    ends = read_scenario("matrix-rigid").source["path"]["yaw"]  # type: ignore[index]
+    assert given.certificate.ok
+    durations = {"given": given.duration}
+    for label, changes in FREEDOM.items():
         keys = {**changes, **({"path.yaw": [ends[0], "free", ends[-1]]} if "path.yaw" in changes else {})}
-        keys |= {"planning.intervals": 40, "cargo": source["cargo"][:2]}
-        found = plan(changed_scene(name, keys))
+        found = plan(rigid(**keys))
         assert found.certificate.ok
         durations[label] = found.duration
     for less, more in (("given", "yaw"), ("given", "10 mm"), ("10 mm", "50 mm"), ("50 mm", "both"), ("yaw", "both")):
@@ -79,7 +92,7 @@ def test_a_plan_starts_from_an_earlier_one_with_the_same_freedom(changed_scene, 
     assert example_plan("matrix-liquid-corridor").duration < found.duration < 1.56
 
 
-def test_where_no_motion_beside_it_is_certified_the_one_on_the_path_is_left(monkeypatch, changed_scene) -> None:
+def test_where_no_motion_beside_it_is_certified_the_one_on_the_path_is_left(monkeypatch, given: Plan) -> None:
     """Every motion off the path is spoilt."""
     certified, tried = planning.certify_by_refinement, list[Candidate]()
 
@@ -92,9 +105,7 @@ def test_where_no_motion_beside_it_is_certified_the_one_on_the_path_is_left(monk
         return replace(judged, judgement=replace(judged.judgement, certificate=failed))
 
     monkeypatch.setattr(planning, "certify_by_refinement", spoilt)
-    changes = {"path.corridor": "50 mm", "planning.intervals": 40}
-    found = plan(changed_scene("matrix-rigid", changes))
-    given = plan(changed_scene("matrix-rigid", {"planning.intervals": 40}))
+    found = plan(rigid(**{"path.corridor": "50 mm"}))
     assert found.certificate.ok and "corridor" in {row.constraint for row in found.certificate.rows}
     assert found.duration == pytest.approx(given.duration, rel=1e-6)
     (said,) = found.report.fallbacks

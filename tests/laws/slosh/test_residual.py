@@ -159,20 +159,22 @@ def test_bound_is_smooth_at_rest_and_on_a_circle(coordinates):
 
 @pytest.mark.parametrize("damping", [0.0, 0.00673])
 def test_the_paraboloid_changes_the_residual_of_a_few_millimetres_by_less_than_one_percent(damping):
-    """The modal mass on its paraboloid, the cup at rest, at a wall height of 3 mm (C_1 = 1.5231)."""
-    curvature, reach = OMEGA**2 / 9.80665, 0.003 / 1.5231
+    """The modal mass on its paraboloid, the cup at rest, at a wall height of 3 mm (C_1 = 1.5231); twelve at once."""
+    stiff, reach = (OMEGA**2 / 9.80665) ** 2, 0.003 / 1.5231
 
-    def slope(_t: float, state: np.ndarray) -> np.ndarray:
-        q, qd = state[:2], state[2:]
-        stiff = curvature**2
-        bias = stiff * (qd @ qd) * q + OMEGA**2 * q + 2 * damping * OMEGA * (qd + stiff * (q @ qd) * q)
-        return np.concatenate((qd, -np.linalg.solve(np.eye(2) + stiff * np.outer(q, q), bias)))
+    def slope(_t: float, states: np.ndarray) -> np.ndarray:
+        q, qd = states.reshape(2, 2, -1)
+        bias = stiff * np.sum(qd * qd, axis=0) * q + OMEGA**2 * q
+        bias += 2 * damping * OMEGA * (qd + stiff * np.sum(q * qd, axis=0) * q)
+        # (1 + stiff q q^T)^-1 by Sherman and Morrison
+        bias -= stiff * np.sum(q * bias, axis=0) / (1 + stiff * np.sum(q * q, axis=0)) * q
+        return np.concatenate((qd, -bias)).ravel()
 
-    random = np.random.default_rng(7)
-    worst = 0.0
+    random, begun = np.random.default_rng(7), []
     for _ in range(12):
         state = random.normal(size=4) * (1, 1, OMEGA, OMEGA)
         state *= reach / float(residual_supremum(state[:2], state[2:], frequency=OMEGA, damping=damping))
-        run = solve_ivp(slope, (0, 2.0), state, rtol=1e-8, atol=1e-12, t_eval=np.linspace(0, 2.0, 4000))
-        worst = max(worst, abs(np.max(np.linalg.norm(run.y[:2], axis=0)) / reach - 1))
-    assert worst < 0.01
+        begun.append(state)
+    run = solve_ivp(slope, (0, 2.0), np.array(begun).T.ravel(), rtol=1e-8, atol=1e-12, t_eval=np.linspace(0, 2.0, 4000))
+    farthest = np.max(np.linalg.norm(run.y.reshape(4, 12, -1)[:2], axis=0), axis=1)
+    assert np.max(np.abs(farthest / reach - 1)) < 0.01

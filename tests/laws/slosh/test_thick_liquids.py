@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from nospill.laws.slosh.residual import free_states, residual_bound
 from nospill.plans.settling import _decay
@@ -20,12 +20,10 @@ OMEGA = 22.6
 
 @pytest.mark.parametrize("ratio", [0.0, 0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.3, 8.0, 100.0])
 def test_the_free_motion_solves_its_equation(ratio: float) -> None:
-    def rate(_: float, y: np.ndarray) -> list[float]:
-        return [y[1], -(OMEGA**2) * y[0] - 2 * ratio * OMEGA * y[1]]
-
     t = np.linspace(0.0, 1.5, 60)
     start = [2e-3, -0.3]
-    exact = solve_ivp(rate, (0.0, 1.5), start, method="Radau", t_eval=t, rtol=1e-10, atol=1e-14).y
+    rates = np.array([[0.0, 1.0], [-(OMEGA**2), -2.0 * ratio * OMEGA]])
+    exact = np.array([expm(rates * now) @ start for now in t]).T
     q, qd = free_states(np.array([OMEGA]), np.array([ratio]), np.array(start[:1]), np.array(start[1:]), t)
     assert q[:, 0] == pytest.approx(exact[0], abs=1e-8)
     assert qd[:, 0] == pytest.approx(exact[1], abs=1e-7)

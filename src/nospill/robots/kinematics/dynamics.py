@@ -13,12 +13,14 @@ force) make an expression many times as large, and an optimal control problem wi
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from nospill.compiled import codegen
+from nospill.compiled.kept import kept
 from nospill.core.arrays import parallel_axis
 from nospill.core.batches import evaluate
 from nospill.errors import ScenarioError
@@ -33,6 +35,8 @@ STANDARD_GRAVITY = 9.80665
 """m/s^2, along the world's -z."""
 
 Numbers = np.ndarray | ca.SX
+
+_NAME = "joint_torque"
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,14 +136,19 @@ class Dynamics:
             ScenarioError: the text is no URDF.
         """
         self.n = len(joints)
+        self._key = urdf, joints, tip
         chain = chain_bodies(read_tree(urdf), joints, tip)
         self._chain = replace(chain, bodies=_regrouped(chain.bodies))
         q, qd, qdd = (ca.SX.sym(name, self.n) for name in ("q", "qd", "qdd"))
         load, gravity = ca.SX.sym("load", 13), ca.SX.sym("gravity")
         torque = self.torque(q, qd, qdd, _load_from(load), gravity=gravity)
-        self.torque_function: Any = ca.Function(
-            "joint_torque", [q, qd, qdd, load, gravity], [ca.densify(torque)], {"cse": True}
-        )
+        self.torque_function: Any = ca.Function(_NAME, [q, qd, qdd, load, gravity], [ca.densify(torque)], {"cse": True})
+
+    @cached_property
+    def sampled(self) -> Any:
+        """`torque_function` as it is evaluated on samples, a few at once."""
+        made, columns = {_NAME: self.torque_function}, {_NAME: codegen.LAST}
+        return codegen.functions("torques", self._key, lambda: (made, None), of_columns=columns)[0][_NAME]
 
     def torque(self, q: ca.SX, qd: ca.SX, qdd: ca.SX, load: Load, *, gravity: float | ca.SX) -> ca.SX:
         """Return the joint torques as `joint_torque` does."""
@@ -183,9 +192,7 @@ class Dynamics:
         inertia = inertia + load.mass * _constant(parallel_axis(self._chain.flange_position))
         return Load(load.mass, moment + load.mass * lever, inertia)
 
-    def torques(
-        self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, load: Load, *, gravity: float, function: Any = None
-    ) -> np.ndarray:
+    def torques(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, load: Load, *, gravity: float) -> np.ndarray:
         """Return the joint torques at samples as `joint_torques` does.
 
         Args:
@@ -194,7 +201,6 @@ class Dynamics:
             qdd: (m, n) joint accelerations, rad/s^2.
             load: numbers.
             gravity: m/s^2.
-            function: a compiled copy of `torque_function` to use in its place.
         """
         count = len(q)
         for array in (q, qd, qdd):
@@ -204,7 +210,7 @@ class Dynamics:
             return np.zeros((0, self.n))
         columns = [np.asarray(array, dtype=float).T for array in (q, qd, qdd)]
         column = np.repeat(ca.DM(load_column(load)).full(), count, axis=1)
-        torque = evaluate(function or self.torque_function, [*columns, column], np.array([gravity]))
+        torque = evaluate(self.sampled, [*columns, column], np.array([gravity]))
         return np.ascontiguousarray(torque.T)
 
 
@@ -243,7 +249,7 @@ def load_column(load: Load) -> np.ndarray:
     )
 
 
-_dynamics = lru_cache(maxsize=32)(Dynamics)
+_dynamics = kept(maxsize=32)(Dynamics)
 
 
 def _regrouped(bodies: tuple[Body, ...]) -> tuple[Body, ...]:
