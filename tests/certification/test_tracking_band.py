@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pytest
@@ -101,7 +102,7 @@ def _rung(motion: JointMotion, frequency: np.ndarray, damping: float, start: flo
     columns = []
     for joint, rate in enumerate(2.0 * np.pi * frequency):
         drive = rate**2 * (asked[:, joint] - asked[0, joint]) + 2.0 * damping * rate * speed[:, joint]
-        step = cont2discrete(([1.0], [1.0, 2.0 * damping * rate, rate**2]), t[1] - t[0], "foh")
+        step: Any = cont2discrete(([1.0], [1.0, 2.0 * damping * rate, rate**2]), t[1] - t[0], "foh")
         columns.append(asked[0, joint] + lfilter(step[0][0], step[1], drive))
     return QUINTIC_SPLINE.motion(JointSamples(t, np.column_stack(columns)))
 
