@@ -57,6 +57,7 @@ from nospill.planning.tracking_margins import (
     joining,
     lowered_at_end,
     margins_over,
+    mostly_late,
     of_members,
     raised_backoff,
     rings_far,
@@ -84,6 +85,8 @@ _OF_SUM = 0.3
 """Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
 _FAR = 0.05
 """Part of a limit; a motion that is over one by more as planned is made for the arm as stated first."""
+_FREE = 0.01
+"""Part of a budget that a row leaves at every node, from which it does not hold the motion back."""
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
 
@@ -114,6 +117,8 @@ class ActiveSet:
         crests: of the broken rows in the problem before the last back-off.
         margins: what rows keep along the motion beside that, for arms that are late, or of a motion that goes on from a
             state for what the second order adds.
+        stills_late: whether what late joints leave after the end costs something, to the first order about the last
+            motion.
     """
 
     task: Task
@@ -130,6 +135,7 @@ class ActiveSet:
     excess: float = 0.0
     crests: Crests = field(default_factory=dict)
     margins: Mapping[RowId, Margin] = field(default_factory=dict)
+    stills_late: bool = False
 
     @classmethod
     def of(
@@ -228,6 +234,9 @@ class ActiveSet:
         uses = {row: use for row, use in band.use.items() if lowered.keys().isdisjoint(of_members(row, names))}
         smooth = smoother(self.smoothness, uses, rings=rings, margins=not first)
         if not rings:
+            planned = uses_of(judgement.planned_rows)
+            if not self.stills_late and self.refined and mostly_late(band, planned):
+                following, smooth = replace(following, stills_late=True), self.smoothness
             following = following.as_smooth_as(smooth)
         if following.scene is not self.scene or (first and _far_over(judgement)):
             return following  # what the arm does as it is stated comes first
@@ -241,7 +250,8 @@ class ActiveSet:
         backoff = {**backoff, **relaxed_by_order(own, backoff, uses_over(band, names))}
         backoff |= {row: max(value, backoff[row]) for row, value in lowered.items()}
         found = margins_over(band, names, judgement.end_time, backoff, growths)
-        margins = half_way(found, self.margins) if rings else falling(found, self.margins)
+        free = {row for row, left in slack.items() if left > _FREE}
+        margins = half_way(found, self.margins) if rings else falling(found, self.margins, free)
         rows = following.rows | (joining(band, names) & following.possible)
         return replace(following, rows=rows, margins=margins, backoff=backoff)
 
@@ -431,6 +441,7 @@ class ActiveSet:
         if not rises:  # else those crests say little of smoother waves
             grown = grown.with_backoff(backoff_by_order(own, grown.backoff))
         grown = replace(grown, expected=self.expected, smoothness=smooth.smoothness, margins=self.margins)
+        grown = replace(grown, stills_late=self.stills_late)
         return grown.without_far(own)
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:

@@ -8,7 +8,7 @@ no margin takes away, since it adds up over the whole motion: there the jerks we
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -70,9 +70,16 @@ def margins_over(
     return found
 
 
-def falling(margins: Mapping[RowId, Margin], before: Mapping[RowId, Margin]) -> dict[RowId, Margin]:
-    """Margins no less than half way from those before."""
+def falling(
+    margins: Mapping[RowId, Margin], before: Mapping[RowId, Margin], free: Collection[RowId] = ()
+) -> dict[RowId, Margin]:
+    """Margins no less than half way from those before.
+
+    Of rows that are `free`, whose margins hold nothing back, no less than those: less of one would gain nothing now,
+    and ask for more of it later.
+    """
     middle = half_way(margins, before)
+    middle |= {row: replace(own, kept=_kept_before(own, before[row])) for row, own in margins.items() if row in free and row in before}
     return {
         row: replace(own, kept=np.maximum(own.kept, middle[row].kept)) if row in before else own
         for row, own in margins.items()
@@ -146,6 +153,17 @@ def lowered_at_end(
             left = 1.0 - kept - min(use - part, _MOST_AT_END)
             found[own] = min(kept + _STEEPER * max(left, 0.0) * (use - _AIM) / part, _MOST_BACKOFF)
     return found
+
+
+def mostly_late(band: Band, planned: Mapping[RowId, float]) -> bool:
+    """Whether a row on the final state is over by more that lateness leaves than the motion as planned does.
+
+    Args:
+        band: as judged.
+        planned: uses of the rows without the band.
+    """
+    over = {row: use for row, use in band.use.items() if row.constraint in END_NAMES and use > 1.0}
+    return any(planned.get(row, 0.0) <= _OWN * use for row, use in over.items())
 
 
 def uses_over(band: Band, names: Mapping[VariantId, str]) -> dict[RowId, float]:
