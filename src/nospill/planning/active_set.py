@@ -85,8 +85,6 @@ _OF_SUM = 0.3
 """Back-off of a residual height with which modes join: the judge finds their sum, the optimiser the root of squares."""
 _FAR = 0.05
 """Part of a limit; a motion that is over one by more as planned is made for the arm as stated first."""
-_FREE = 0.01
-"""Part of a budget that a row leaves at every node, from which it does not hold the motion back."""
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
 
@@ -119,6 +117,7 @@ class ActiveSet:
             state for what the second order adds.
         stills_late: whether what late joints leave after the end costs something, to the first order about the last
             motion.
+        risen: rows whose back-off has risen beside margins, and does not fall again from round to round.
     """
 
     task: Task
@@ -136,6 +135,7 @@ class ActiveSet:
     crests: Crests = field(default_factory=dict)
     margins: Mapping[RowId, Margin] = field(default_factory=dict)
     stills_late: bool = False
+    risen: frozenset[RowId] = frozenset()
 
     @classmethod
     def of(
@@ -247,13 +247,14 @@ class ActiveSet:
         growths = self._growths(judgement)
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names, growths)
         own = self._on_members(judgement.planned_rows)
-        backoff = {**backoff, **relaxed_by_order(own, backoff, uses_over(band, names))}
+        risen = self.risen if first else self.risen | {row for row in backoff if backoff[row] > self.backoff[row]}
+        eased = relaxed_by_order(own, backoff, uses_over(band, names))
+        backoff = {**backoff, **{row: value for row, value in eased.items() if row not in risen}}
         backoff |= {row: max(value, backoff[row]) for row, value in lowered.items()}
         found = margins_over(band, names, judgement.end_time, backoff, growths)
-        free = {row for row, left in slack.items() if left > _FREE}
-        margins = half_way(found, self.margins) if rings else falling(found, self.margins, free)
+        margins = half_way(found, self.margins) if rings else falling(found, self.margins)
         rows = following.rows | (joining(band, names) & following.possible)
-        return replace(following, rows=rows, margins=margins, backoff=backoff)
+        return replace(following, rows=rows, margins=margins, backoff=backoff, risen=risen)
 
     def as_smooth_as(self, smoothness: Smoothness) -> ActiveSet:
         """The same with jerks of at least that weight."""
@@ -394,6 +395,7 @@ class ActiveSet:
         if self.margins and judgement.band is not None:
             growths = self._growths(judgement)
             margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff, growths)
+            margins = half_way(margins, self.margins)
             light = rougher(self.smoothness, judgement.band.use, rings=self._rings)
             return replace(self, margins=margins, smoothness=light)
         if self.task.smooth_first:

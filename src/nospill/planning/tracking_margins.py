@@ -8,7 +8,7 @@ no margin takes away, since it adds up over the whole motion: there the jerks we
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -70,16 +70,9 @@ def margins_over(
     return found
 
 
-def falling(
-    margins: Mapping[RowId, Margin], before: Mapping[RowId, Margin], free: Collection[RowId] = ()
-) -> dict[RowId, Margin]:
-    """Margins no less than half way from those before.
-
-    Of rows that are `free`, whose margins hold nothing back, no less than those: less of one would gain nothing now,
-    and ask for more of it later.
-    """
+def falling(margins: Mapping[RowId, Margin], before: Mapping[RowId, Margin]) -> dict[RowId, Margin]:
+    """Margins no less than half way from those before."""
     middle = half_way(margins, before)
-    middle |= {row: replace(own, kept=_kept_before(own, before[row])) for row, own in margins.items() if row in free and row in before}
     return {
         row: replace(own, kept=np.maximum(own.kept, middle[row].kept)) if row in before else own
         for row, own in margins.items()
