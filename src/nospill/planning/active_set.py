@@ -87,6 +87,8 @@ _FAR = 0.05
 """Part of a limit; a motion that is over one by more as planned is made for the arm as stated first."""
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
+_LIGHTER = 0.85
+"""Of the weights of the jerks, what a motion that holds has to promise where sums still what late joints leave."""
 
 
 def _far_over(judgement: Judgement) -> bool:
@@ -232,12 +234,13 @@ class ActiveSet:
             planned = uses_of(self._on_members(judgement.planned_rows))
             lowered = lowered_at_end(self.backoff, band, planned, self.names)
         uses = {row: use for row, use in band.use.items() if lowered.keys().isdisjoint(of_members(row, names))}
-        smooth = smoother(self.smoothness, uses, rings=rings, margins=not first)
+        smooth = smoother(self.smoothness, uses, rings=rings, margins=not first, stilled=self.stills_late)
         if not rings:
             planned = uses_of(judgement.planned_rows)
             if not self.stills_late and self.refined and mostly_late(band, planned):
                 following, smooth = replace(following, stills_late=True), self.smoothness
-            following = following.as_smooth_as(smooth)
+                following = replace(following, smoothness=replace(smooth, factor=min(smooth.factor, 30.0)))
+            else: following = following.as_smooth_as(smooth)
         if following.scene is not self.scene or (first and _far_over(judgement)):
             return following  # what the arm does as it is stated comes first
         if rings:
@@ -252,7 +255,7 @@ class ActiveSet:
         backoff = {**backoff, **{row: value for row, value in eased.items() if row not in risen}}
         backoff |= {row: max(value, backoff[row]) for row, value in lowered.items()}
         found = margins_over(band, names, judgement.end_time, backoff, growths)
-        margins = half_way(found, self.margins) if rings else falling(found, self.margins)
+        margins = half_way(found, self.margins) if rings else falling(found, self.margins, uses_over(band, names))
         rows = following.rows | (joining(band, names) & following.possible)
         return replace(following, rows=rows, margins=margins, backoff=backoff, risen=risen)
 
@@ -396,8 +399,9 @@ class ActiveSet:
             growths = self._growths(judgement)
             margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff, growths)
             margins = half_way(margins, self.margins)
-            light = rougher(self.smoothness, judgement.band.use, rings=self._rings)
-            return replace(self, margins=margins, smoothness=light)
+            light = rougher(self.smoothness, judgement.band.use, rings=self._rings, stilled=self.stills_late)
+            worth = not self.stills_late or light.factor < _LIGHTER * self.smoothness.factor
+            return replace(self, margins=margins, smoothness=light) if worth else self
         if self.task.smooth_first:
             return self._with_driven(judgement)
         own = list(self._on_members(self._judged(judgement)))

@@ -59,6 +59,8 @@ LATE_AT_ONCE = Cause(power=4.0, least=30.0, most=60.0, heaviest=60.0, acts_from=
 """What late joints leave after the end, before any margins: those of a rough motion are too much."""
 LATE = Cause(power=2.5, least=1.05, most=2.0, aim=0.985, fall=2.5, most_fall=1.5, by_secants=True)
 """The same once rows have margins."""
+STILLED = Cause(power=1.0, least=1.05, most=1.5, aim=0.985, fall=1.0, most_fall=1.5)
+"""The same where sums still what late joints leave: of one round they say little about the next."""
 RINGING = Cause(power=2.0, least=1.25, most=10.0, least_fall=3.0, most_fall=3.0, halves=True)
 """Any row where joints ring: steps of the jerk let them. After a motion that holds nothing says which row lighter jerks
 would be too much for."""
