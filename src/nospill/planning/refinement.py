@@ -77,8 +77,15 @@ def _with_modes(coarse: Candidate, rows: Collection[RowId], log: Log) -> Candida
             after = coarse.active.after(judged.judgement)
             active = after.with_rows(after.rows.union(rows))
             if active.refined:
+                start = judged
+                if active.smoothness.factor > coarse.active.smoothness.factor:
+                    smooth = coarse.active.as_smooth_as(active.smoothness)
+                    again = solved(smooth, coarse.stages, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS))
+                    trajectory = exported(again) if again.has_converged else judged.trajectory
+                else:
+                    trajectory = judged.trajectory
                 return _solve_near_optimum(
-                    active, start_from(active, judged.trajectory, log, coarse.stages), BARRIERS, log
+                    active, start_from(active, trajectory, log, coarse.stages), BARRIERS, log
                 )
     return None
 
