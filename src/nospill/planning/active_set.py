@@ -250,12 +250,12 @@ class ActiveSet:
         growths = self._growths(judgement)
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names, growths)
         own = self._on_members(judgement.planned_rows)
-        risen = self.risen if first else self.risen | {row for row in backoff if backoff[row] > self.backoff[row]}
+        risen = self.risen if first or not self.stills_late else self.risen | {row for row in backoff if backoff[row] > self.backoff[row]}
         eased = relaxed_by_order(own, backoff, uses_over(band, names))
         backoff = {**backoff, **{row: value for row, value in eased.items() if row not in risen}}
         backoff |= {row: max(value, backoff[row]) for row, value in lowered.items()}
         found = margins_over(band, names, judgement.end_time, backoff, growths)
-        margins = half_way(found, self.margins) if rings else falling(found, self.margins, uses_over(band, names))
+        margins = half_way(found, self.margins) if rings else falling(found, self.margins, uses_over(band, names) if self.stills_late else {})
         rows = following.rows | (joining(band, names) & following.possible)
         return replace(following, rows=rows, margins=margins, backoff=backoff, risen=risen)
 
@@ -398,7 +398,7 @@ class ActiveSet:
         if self.margins and judgement.band is not None:
             growths = self._growths(judgement)
             margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff, growths)
-            margins = half_way(margins, self.margins)
+            margins = half_way(margins, self.margins) if self.stills_late else margins
             light = rougher(self.smoothness, judgement.band.use, rings=self._rings, stilled=self.stills_late)
             worth = not self.stills_late or light.factor < _LIGHTER * self.smoothness.factor
             return replace(self, margins=margins, smoothness=light) if worth else self
