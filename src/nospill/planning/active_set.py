@@ -400,7 +400,7 @@ class ActiveSet:
             margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff, growths)
             margins = half_way(margins, self.margins) if self.stills_late else margins
             light = rougher(self.smoothness, judgement.band.use, rings=self._rings, stilled=self.stills_late)
-            worth = not self.stills_late or light.factor < _LIGHTER * self.smoothness.factor
+            worth = light.factor < _LIGHTER * self.smoothness.factor
             return replace(self, margins=margins, smoothness=light) if worth else self
         if self.task.smooth_first:
             return self._with_driven(judgement)
