@@ -57,7 +57,6 @@ from nospill.planning.tracking_margins import (
     joining,
     lowered_at_end,
     margins_over,
-    mostly_late,
     of_members,
     raised_backoff,
     rings_far,
@@ -88,7 +87,7 @@ _FAR = 0.05
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
 _LIGHTER = 0.85
-"""Of the weights of the jerks, what a motion that holds has to promise where sums still what late joints leave."""
+"""Part of the weights of the jerks that a motion that holds over a band of late arms has to promise for more solves."""
 
 
 def _far_over(judgement: Judgement) -> bool:
@@ -117,9 +116,6 @@ class ActiveSet:
         crests: of the broken rows in the problem before the last back-off.
         margins: what rows keep along the motion beside that, for arms that are late, or of a motion that goes on from a
             state for what the second order adds.
-        stills_late: whether what late joints leave after the end costs something, to the first order about the last
-            motion.
-        risen: rows whose back-off has risen beside margins, and does not fall again from round to round.
     """
 
     task: Task
@@ -136,8 +132,6 @@ class ActiveSet:
     excess: float = 0.0
     crests: Crests = field(default_factory=dict)
     margins: Mapping[RowId, Margin] = field(default_factory=dict)
-    stills_late: bool = False
-    risen: frozenset[RowId] = frozenset()
 
     @classmethod
     def of(
@@ -228,43 +222,39 @@ class ActiveSet:
         following, band = self._after(judgement, slack), judgement.band
         if band is None or (max(band.use.values(), default=0.0) <= 1.0 and following is self):
             return following
-        names, first, rings = following.names, not self.margins, self._rings
+        names, first, rings = following.names, not self.margins, self.rings
+        planned, uses = uses_of(judgement.planned_rows), uses_over(band, names)
         lowered: dict[RowId, float] = {}
         if not (first or rings):
-            planned = uses_of(self._on_members(judgement.planned_rows))
-            lowered = lowered_at_end(self.backoff, band, planned, self.names)
-        uses = {row: use for row, use in band.use.items() if lowered.keys().isdisjoint(of_members(row, names))}
-        smooth = smoother(self.smoothness, uses, rings=rings, margins=not first, stilled=self.stills_late)
+            lowered = lowered_at_end(self.backoff, band, uses_of(self._on_members(judgement.planned_rows)), self.names)
+        left = {row: use for row, use in band.use.items() if lowered.keys().isdisjoint(of_members(row, names))}
+        smooth = smoother(self.smoothness, left, planned, rings=rings, margins=not first)
         if not rings:
-            planned = uses_of(judgement.planned_rows)
-            if not self.stills_late and self.refined and mostly_late(band, planned):
-                following, smooth = replace(following, stills_late=True), self.smoothness
-                following = replace(following, smoothness=replace(smooth, factor=min(smooth.factor, 30.0)))
-            else: following = following.as_smooth_as(smooth)
+            following = following.as_smooth_as(smooth)
         if following.scene is not self.scene or (first and _far_over(judgement)):
             return following  # what the arm does as it is stated comes first
         if rings:
             following = following.as_smooth_as(smooth)
             if rings_far(band, self.smoothness):
                 return following
-        growths = self._growths(judgement)
+        growths, stilled = self._growths(judgement), self.smoothness.stilled
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names, growths)
-        own = self._on_members(judgement.planned_rows)
-        risen = self.risen if first or not self.stills_late else self.risen | {row for row in backoff if backoff[row] > self.backoff[row]}
-        eased = relaxed_by_order(own, backoff, uses_over(band, names))
-        backoff = {**backoff, **{row: value for row, value in eased.items() if row not in risen}}
+        if not stilled:  # there crests are what is nearest to its limit: what one gets back it would ask for again
+            backoff = {**backoff, **relaxed_by_order(self._on_members(judgement.planned_rows), backoff, uses)}
         backoff |= {row: max(value, backoff[row]) for row, value in lowered.items()}
         found = margins_over(band, names, judgement.end_time, backoff, growths)
-        margins = half_way(found, self.margins) if rings else falling(found, self.margins, uses_over(band, names) if self.stills_late else {})
+        margins = half_way(found, self.margins) if rings else falling(found, self.margins, uses if stilled else {})
         rows = following.rows | (joining(band, names) & following.possible)
-        return replace(following, rows=rows, margins=margins, backoff=backoff, risen=risen)
+        return replace(following, rows=rows, margins=margins, backoff=backoff)
 
     def as_smooth_as(self, smoothness: Smoothness) -> ActiveSet:
-        """The same with jerks of at least that weight."""
-        return replace(self, smoothness=smoothness) if smoothness.factor > self.smoothness.factor else self
+        """The same with jerks of at least that weight; of another where late joints are stilled from then on."""
+        begins = smoothness.stilled and not self.smoothness.stilled
+        return replace(self, smoothness=smoothness) if begins or smoothness.factor > self.smoothness.factor else self
 
     @property
-    def _rings(self) -> bool:
+    def rings(self) -> bool:
+        """Whether the joints may ring."""
         tracking = self.task.scene.tracking
         return tracking is not None and tracking.resonance is not None
 
@@ -398,9 +388,10 @@ class ActiveSet:
         if self.margins and judgement.band is not None:
             growths = self._growths(judgement)
             margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff, growths)
-            margins = half_way(margins, self.margins) if self.stills_late else margins
-            light = rougher(self.smoothness, judgement.band.use, rings=self._rings, stilled=self.stills_late)
-            worth = light.factor < _LIGHTER * self.smoothness.factor
+            if self.smoothness.stilled:
+                margins = half_way(margins, self.margins)
+            light = rougher(self.smoothness, judgement.band.use, rings=self.rings)
+            worth = self.rings or light.factor < _LIGHTER * self.smoothness.factor
             return replace(self, margins=margins, smoothness=light) if worth else self
         if self.task.smooth_first:
             return self._with_driven(judgement)
@@ -447,7 +438,6 @@ class ActiveSet:
         if not rises:  # else those crests say little of smoother waves
             grown = grown.with_backoff(backoff_by_order(own, grown.backoff))
         grown = replace(grown, expected=self.expected, smoothness=smooth.smoothness, margins=self.margins)
-        grown = replace(grown, stills_late=self.stills_late)
         return grown.without_far(own)
 
     def _too_coarse(self, rows: Iterable[Row]) -> frozenset[str]:

@@ -97,7 +97,7 @@ def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = Non
         self_motion=motion.self_motion,
         least_determinant=active.task.passage.determinant,
         planes=planes or separating(active.task.scene, active.rows, q, active.everywhere),
-        sums=late_sums(active.scene, motion) if active.stills_late else None,
+        sums=late_sums(active.scene, motion) if active.smoothness.stilled else None,
     )
     return with_margins(problem, motion, active.margins) if active.margins else problem
 

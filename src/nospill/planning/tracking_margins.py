@@ -154,17 +154,6 @@ def lowered_at_end(
     return found
 
 
-def mostly_late(band: Band, planned: Mapping[RowId, float]) -> bool:
-    """Whether a row on the final state is over by more that lateness leaves than the motion as planned does.
-
-    Args:
-        band: as judged.
-        planned: uses of the rows without the band.
-    """
-    over = {row: use for row, use in band.use.items() if row.constraint in END_NAMES and use > 1.0}
-    return any(planned.get(row, 0.0) <= _OWN * use for row, use in over.items())
-
-
 def uses_over(band: Band, names: Mapping[VariantId, str]) -> dict[RowId, float]:
     """The largest use of every row over the band, by the names in the problem."""
     return {own: use for row, use in band.use.items() for own in of_members(row, names)}
@@ -209,30 +198,45 @@ def _part_of(tracking: Tracking, part: float) -> str:
 
 
 def smoother(
-    before: Smoothness, uses: Mapping[RowId, float], *, rings: bool, margins: bool, stilled: bool = False
+    before: Smoothness, uses: Mapping[RowId, float], planned: Mapping[RowId, float], *, rings: bool, margins: bool
 ) -> Smoothness:
     """How smooth the next motion is to be, where the last one has rows over the band that only smoothness lowers.
 
     Those are rows on the final state; where joints ring any row, but of what has margins only what is more than those
-    and back-off take away.
+    and back-off take away. Where late joints leave more than the motion as planned does, jerks of more weight are a
+    poor remedy once they weigh much: then what is left costs something itself.
 
     Args:
         before: of the last problem.
         uses: of its motion over the band.
+        planned: without the band.
         rings: whether joints ring.
         margins: whether the problem had margins.
-        stilled: whether it had sums of what late joints leave.
     """
     if rings:
         return before.heavier(RINGING, _largest(uses, above=_BY_MARGINS if margins else 1.0))
-    if margins:
-        return before.heavier(STILLED if stilled else LATE, _largest(uses))
-    return before.heavier(LATE_AT_ONCE, _largest(uses)) if before.tried is None else before
+    if not margins and before.tried is None and not before.stilled:
+        heavier = before.heavier(LATE_AT_ONCE, _largest(uses))
+        if heavier is not before:
+            return heavier
+    if not before.stilled and _mostly_late(uses, planned):
+        return before.with_late_stilled
+    if not margins:
+        return before
+    return before.heavier(STILLED if before.stilled else LATE, _largest(uses))
 
 
-def rougher(before: Smoothness, uses: Mapping[RowId, float], *, rings: bool, stilled: bool = False) -> Smoothness:
+def rougher(before: Smoothness, uses: Mapping[RowId, float], *, rings: bool) -> Smoothness:
     """How smooth the next motion is to be after one that holds; arguments as of `smoother`."""
-    return before.lighter(RINGING, 0.0) if rings else before.lighter(STILLED if stilled else LATE, _largest(uses))
+    if rings:
+        return before.lighter(RINGING, 0.0)
+    return before.lighter(STILLED if before.stilled else LATE, _largest(uses))
+
+
+def _mostly_late(uses: Mapping[RowId, float], planned: Mapping[RowId, float]) -> bool:
+    """Whether a row on the final state is over, more of it by lateness than by the motion as planned."""
+    over = {row: use for row, use in uses.items() if row.constraint in END_NAMES and use > 1.0}
+    return any(planned.get(row, 0.0) <= _OWN * use for row, use in over.items())
 
 
 def _largest(uses: Mapping[RowId, float], above: float = math.inf) -> float:

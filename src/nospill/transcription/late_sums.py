@@ -43,7 +43,8 @@ def late_sums(scene: Scene, motion: Stages) -> np.ndarray:
     q, qd = (motion.table[:-1, layout.joint_derivative(order)] for order in range(2))
     _, rotation, jacobian = kinematics(scene.robot).poses_and_jacobians(q, tool=scene.tray.tool)
     linear, turning = jacobian[:, :3].transpose(0, 2, 1), jacobian[:, 3:].transpose(0, 2, 1)  # (N, n, 3)
-    gravity = np.gradient(np.einsum("kji,kj->ki", linear, qd), h, axis=0) + [0.0, 0.0, scene.gravity]
+    gravity = np.gradient(np.einsum("kji,kj->ki", linear, qd), h, axis=0)
+    gravity[:, 2] += scene.gravity
     axis = rotation[:, :, 2]
     pressing = np.maximum(np.einsum("ki,ki->k", axis, gravity) / scene.gravity, _LEAST_GRAVITY)
     later = h * np.arange(len(q), 0, -1)
@@ -55,7 +56,7 @@ def late_sums(scene: Scene, motion: Stages) -> np.ndarray:
         for mode in cargo.filling.modes.oscillators:
             if mode.number > 1:
                 continue
-            place = rotation @ (cargo.place + [0.0, 0.0, mode.height])
+            place = rotation @ np.append(cargo.position, cargo.seat + mode.height)
             moved = linear + np.cross(turning, place[:, None])
             leaning = np.cross(gravity[:, None], turning)
             frequency = mode.frequency * np.sqrt(pressing)

@@ -83,7 +83,7 @@ class Problem:
         rows: row of the structure -> row of the scene, whether it takes part or not.
         backoff: fraction of each budget that is kept from the optimiser.
         planes: of the rows of clearance.
-        sums: (n, `SUMS`, N) gains of the speeds of the joints, of running sums whose squares are a part of the cost; None
+        sums: (n, `SUMS`, N) gains of the joints' speeds in running sums, whose squares are a part of the cost; None
             where there are none.
         jump_weights: (c,) of the jumps of the scaled jerks in the cost; empty where these cost nothing.
         row_lower: (m,) bounds of the constraints: those of the transcription, but for a motion that begins in motion:
