@@ -8,7 +8,8 @@ the quadrature
 
 e a direction in which it swings, carried back from the end: a liquid does not turn with its cup. By parts the
 derivatives go to what stands before J q', and with the place, e, psi and G of one motion held, a sum over the nodes is
-left, of gains times speeds. Where the sums of every joint vanish, no combination of late joints leaves anything.
+left, of gains times speeds. Where the sums of every joint vanish, no combination of late joints leaves anything, but
+for what jolts along the axis make of a liquid that swings already.
 """
 
 from __future__ import annotations
