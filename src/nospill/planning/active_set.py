@@ -241,7 +241,7 @@ class ActiveSet:
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names, growths)
         if not stilled:  # there crests are what is nearest to its limit: what one gets back it would ask for again
             backoff = {**backoff, **relaxed_by_order(self._on_members(judgement.planned_rows), backoff, uses)}
-        backoff |= {row: max(value, backoff[row]) for row, value in lowered.items()}
+        backoff = {**backoff, **{row: max(value, backoff[row]) for row, value in lowered.items()}}
         found = margins_over(band, names, judgement.end_time, backoff, growths)
         margins = half_way(found, self.margins) if rings else falling(found, self.margins, uses if stilled else {})
         rows = following.rows | (joining(band, names) & following.possible)

@@ -69,7 +69,8 @@ def late_sums(scene: Scene, motion: Stages) -> np.ndarray:
                 along = own - axis * (axis @ own)[:, None]
                 for answer in (np.sin(phase), np.cos(phase)):
                     weight = (size * answer)[:, None] * along
-                    bend = np.diff(np.pad(weight, ((1, 1), (0, 0)), mode="reflect", reflect_type="odd"), 2, axis=0)
+                    ahead = np.pad(weight, ((1, 1), (0, 0)), mode="reflect", reflect_type="odd")
+                    bend = ahead[2:] - 2.0 * weight + ahead[:-2]
                     rows.append(np.einsum("ki,kji->kj", bend / h**2, moved) + np.einsum("ki,kji->kj", weight, leaning))
     of_joints = np.array(rows).transpose(2, 0, 1) * (np.sqrt(_COST) * scene.tracking.latest / 2.0)[:, None, None]
     _, size, shape = np.linalg.svd(of_joints, full_matrices=False)
