@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from nospill.certification import by_flow
-from nospill.certification.by_flow import Left, crests_by_flow, left_by_flow
+from nospill.certification.by_flow import Left, crests_by_flow, doubted_flows, left_by_flow
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.second_order import heights_after, with_second_order
 from nospill.errors import ScenarioError
 from nospill.laws.constraints.base import RowId
 from nospill.motion.at_speed import at_speed
 from nospill.plans.warnings import plan_warnings
-from nospill.potential_flow import crests_along, flow_terms, greatest_height, rows_at
+from nospill.potential_flow import crests, crests_along, flow_terms, greatest_height, rows_at
 from nospill.potential_flow.flow_along import FlowAlong
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
@@ -152,11 +152,40 @@ def test_a_flow_that_breaks_down_is_told_apart(
     lost = FlowAlong(np.zeros((1, 2, len(flow_terms(cup()).stiffness))), 0.005, 0.62)
     monkeypatch.setattr(by_flow, "flows_along", lambda objects, *_: [lost] * len(objects))
     rows = tuple(replace(row, ok=row.id != (_RESIDUAL, "cup")) for row in judgement.certificate.rows)
-    again = replace(judgement.replay)  # whose flow is not kept
-    over = replace(judgement, replay=again, certificate=replace(judgement.certificate, rows=rows))
+    again = replace(judgement, replay=replace(judgement.replay))  # whose flow is not kept
+    over = replace(again, certificate=replace(judgement.certificate, rows=rows))
     (warning,) = [item for item in plan_warnings(scene, over, {}) if item.name == "flow"]
     assert warning.subject == "cup" and "breaks down at 0.62 s" in warning.text and "counts as" in warning.text
-    assert not [item for item in plan_warnings(scene, judgement, {}) if item.name == "flow"]
+    assert not [item for item in plan_warnings(scene, again, {}) if item.name == "flow"]
+
+
+@pytest.mark.parametrize(
+    ("figure", "least", "reason"),
+    [("STEEPEST", 0.1, "steeper than 45 deg"), ("TRUSTED", 1e-4, "with fewer modes the highest crest is")],
+)
+def test_a_flow_is_in_doubt_where_the_second_opinion_doubts_it(
+    judged: tuple[Scene, Judgement, Judgement],
+    monkeypatch: pytest.MonkeyPatch,
+    figure: str,
+    least: float,
+    reason: str,
+) -> None:
+    scene, _, judgement = judged
+    played, cargo = judgement.replay, next(item for item in scene.cargo if item.name == "cup")
+    assert doubted_flows(scene, played) == {}
+    monkeypatch.setattr(crests, figure, least)
+    assert doubted_flows(scene.changed({"motion.residual_height": "second order"}), played) == {}
+
+    def rows(t: np.ndarray) -> np.ndarray:
+        return rows_at(np.stack([np.interp(t, played.t, row) for row in played.body]), cargo.place, cargo.yaw)
+
+    opinion = crests_along(cargo, rows, float(played.t[0]), float(played.t[-1]), after=0.0)
+    doubt = doubted_flows(scene, played)["cup"]
+    assert opinion.doubt is not None and reason in opinion.doubt and reason in doubt
+    since = [float(text.split()[1]) for text in (doubt, opinion.doubt) if text.startswith("from")]
+    assert np.ptp(since or [0.0]) <= 0.03  # s, a step of the judge's flow
+    said = {item.subject: item.text for item in plan_warnings(scene, judgement, {}) if item.name == "flow in doubt"}
+    assert said.keys() == {"cup", "mug"} and said["cup"].startswith(doubt)
 
 
 def test_a_motion_is_followed_once(judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch) -> None:

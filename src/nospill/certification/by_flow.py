@@ -18,7 +18,16 @@ from nospill.certification.wall_heights import INSTANTS, highest_on_wall, linear
 from nospill.core.hermite import cubic_hermite
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.residual import free_states
-from nospill.potential_flow import flow_terms, flows_along, greatest_height, height_gains, rows_at
+from nospill.potential_flow import (
+    COARSE,
+    doubt_of,
+    flow_terms,
+    flows_along,
+    greatest_height,
+    height_gains,
+    largest_slopes,
+    rows_at,
+)
 from nospill.potential_flow.basin import Basin
 from nospill.potential_flow.flow_along import FlowAlong
 from nospill.scene.cargo import Cargo
@@ -83,19 +92,22 @@ def crests_by_flow(scene: Scene, played: Replay) -> dict[str, np.ndarray]:
     if not followed:
         return {}
     flows = _flows_along(tuple(_Itself(cargo) for cargo, _ in followed), _Itself(played), len(played.t) - 1)
-    found = {}
-    for (cargo, own), flow in zip(followed, flows, strict=True):
-        assert cargo.filling is not None  # `by_nonlinear_flow` says so
-        basin, reached = flow_terms(cargo).basin, played.t <= (np.inf if flow.breaks_at is None else flow.breaks_at)
-        fast = ~np.any(height_gains(cargo.oscillators, basin), axis=0)
-        displacement = np.where(fast, played.slosh_displacement[reached][:, own], 0.0)
-        body = rows_at(played.body[:, reached], np.array([*cargo.position, 0.0]), cargo.yaw)
-        linear, yaw = linear_heights(cargo.filling, body, displacement)
-        heights = _at_instants(flow.states[:, 0], (played.t[reached] - played.t[0]) / flow.step)
-        crests = np.full(len(played.t), greatest_height(basin))
-        crests[reached] = highest_on_wall(cargo, basin.modes, linear, heights) + yaw
-        found[cargo.name] = crests
-    return found
+    pairs = zip(followed, flows, strict=True)
+    return {cargo.name: _crests(cargo, own, flow, flow_terms(cargo).basin, played) for (cargo, own), flow in pairs}
+
+
+def _crests(cargo: Cargo, own: slice, flow: FlowAlong, basin: Basin, played: Replay) -> np.ndarray:
+    """Greatest heights round the wall (m,), m, of a flow in the modes of a basin, and of the modes that it has not."""
+    assert cargo.filling is not None  # `by_nonlinear_flow` says so
+    reached = played.t <= (np.inf if flow.breaks_at is None else flow.breaks_at)
+    fast = ~np.any(height_gains(cargo.oscillators, basin), axis=0)
+    displacement = np.where(fast, played.slosh_displacement[reached][:, own], 0.0)
+    body = rows_at(played.body[:, reached], np.array([*cargo.position, 0.0]), cargo.yaw)
+    linear, yaw = linear_heights(cargo.filling, body, displacement)
+    heights = _at_instants(flow.states[:, 0], (played.t[reached] - played.t[0]) / flow.step)
+    crests = np.full(len(played.t), greatest_height(basin))
+    crests[reached] = highest_on_wall(cargo, basin.modes, linear, heights) + yaw
+    return crests
 
 
 def _at_instants(values: np.ndarray, places: np.ndarray) -> np.ndarray:
@@ -142,6 +154,30 @@ def broken_flows(scene: Scene, played: Replay) -> dict[str, tuple[float, float]]
         for (cargo, _), flow in zip(followed, flows, strict=True)
         if flow.breaks_at is not None
     }
+
+
+def doubted_flows(scene: Scene, played: Replay) -> dict[str, str]:
+    """Why a flow that judges a height is not to be trusted, as the end of a sentence, by object.
+
+    Of flows that go through; `broken_flows` has the others.
+    """
+    if "nonlinear" not in (scene.motion.slosh_height, scene.motion.residual_height):
+        return {}
+    followed = _followed(scene, "nonlinear")
+    fine = _flows_along(tuple(_Itself(cargo) for cargo, _ in followed), _Itself(played), len(played.t) - 1)
+    coarse = flows_along([cargo for cargo, _ in followed], played.t, played.body, COARSE)
+    found = {}
+    for (cargo, own), flow, fewer in zip(followed, fine, coarse, strict=True):
+        if flow.breaks_at is not None:
+            continue
+        basin = flow_terms(cargo).basin
+        crest = np.max(_crests(cargo, own, flow, basin, played))
+        of_fewer = np.max(_crests(cargo, own, fewer, flow_terms(cargo, COARSE).basin, played))
+        t = played.t[0] + flow.step * np.arange(len(flow.states))
+        spread = abs(crest - of_fewer) / crest if crest > 0.0 else 0.0
+        if (doubt := doubt_of(t, largest_slopes(basin, flow.states), spread)) is not None:
+            found[cargo.name] = doubt
+    return found
 
 
 def _followed(scene: Scene, order: HeightOrder) -> list[tuple[Cargo, slice]]:

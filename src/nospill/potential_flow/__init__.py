@@ -1,10 +1,13 @@
 """Potential flow of the liquid in an upright prism on a moving tray: to the first and second order, and in full."""
 
+from nospill.potential_flow.basin import COARSE as COARSE
 from nospill.potential_flow.basin import driven_shapes as driven_shapes
 from nospill.potential_flow.courses import BodyRows as BodyRows
 from nospill.potential_flow.crests import Crests as Crests
 from nospill.potential_flow.crests import SecondOrder as SecondOrder
 from nospill.potential_flow.crests import crests_along as crests_along
+from nospill.potential_flow.crests import doubt_of as doubt_of
+from nospill.potential_flow.crests import largest_slopes as largest_slopes
 from nospill.potential_flow.crests import second_order_along as second_order_along
 from nospill.potential_flow.driven import STEP_ANGLE as STEP_ANGLE
 from nospill.potential_flow.driven import Driven as Driven

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.potential_flow.basin import COARSE, basin_of, linear_basin
+from nospill.potential_flow.basin import COARSE, Basin, basin_of, linear_basin
 from nospill.potential_flow.courses import BodyRows, Course, course_of
 from nospill.potential_flow.solving import two_orders, whole_flow
 from nospill.scene.cargo import Cargo
@@ -56,21 +56,11 @@ class Crests:
         return abs(fine - coarse) / fine if fine > 0.0 else 0.0
 
     @property
-    def steep_from(self) -> float | None:
-        """When the surface of the full flow first is steeper than `STEEPEST`, s; None if it never is."""
-        steep = self.steepness > STEEPEST
-        return float(self.t[np.argmax(steep)]) if np.any(steep) else None
-
-    @property
     def doubt(self) -> str | None:
         """Why the full flow is not to be trusted, as the end of a sentence; None where it is."""
         if self.breaks_at is not None:
             return f"the flow's numbers break down at {self.breaks_at:.2f} s"
-        if self.steep_from is not None:
-            return f"from {self.steep_from:.2f} s on the surface is steeper than 45 deg, where standing waves break"
-        if self.spread > TRUSTED:
-            return f"with fewer modes the highest crest is {1e2 * self.spread:.0f} % off"
-        return None
+        return doubt_of(self.t[: len(self.steepness)], self.steepness, self.spread)
 
     def highest(self, values: np.ndarray) -> tuple[float, float]:
         """Greatest height of one of the three, m, and when, s."""
@@ -81,6 +71,28 @@ class Crests:
         """Greatest height after the end of the motion, m; None of a flow that does not get there."""
         late = values[self.t[: len(values)] >= self.end]
         return float(np.max(late)) if len(values) == len(self.t) and len(late) else None
+
+
+def doubt_of(t: np.ndarray, slopes: np.ndarray, spread: float) -> str | None:
+    """Why a full flow that goes through is not to be trusted, as the end of a sentence; None where it is.
+
+    Args:
+        t: (n,) s.
+        slopes: (n,) largest slope of the surface then.
+        spread: relative difference of the highest crests with fewer modes and with more.
+    """
+    steep = slopes > STEEPEST
+    if np.any(steep):
+        since = float(t[np.argmax(steep)])
+        return f"from {since:.2f} s on the surface is steeper than 45 deg, where standing waves break"
+    return f"with fewer modes the highest crest is {1e2 * spread:.0f} % off" if spread > TRUSTED else None
+
+
+def largest_slopes(basin: Basin, states: np.ndarray) -> np.ndarray:
+    """Largest slope of the surface (n,) in axes of the container, of states (n, 2, J)."""
+    slope = np.einsum("xpj,nj->xnp", basin.modes.slope, states[:, 0], optimize=True)
+    found: np.ndarray = np.max(np.hypot(*slope), axis=1)
+    return found
 
 
 def crests_along(cargo: Cargo, rows: BodyRows, start: float, end: float, *, after: float) -> Crests:
@@ -152,5 +164,4 @@ def sampled(start: float, end: float) -> np.ndarray:
 
 def _steepness(course: Course, states: np.ndarray) -> np.ndarray:
     """Largest slope of the surface (m,) at the output times."""
-    slope = np.einsum("xpj,nj->xnp", course.terms.basin.modes.slope, states[:, 0], optimize=True)
-    return np.interp(course.t, course.instants(states), np.max(np.hypot(*slope), axis=1))
+    return np.interp(course.t, course.instants(states), largest_slopes(course.terms.basin, states))

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from nospill.potential_flow.basin import basin_of
+from nospill.potential_flow.basin import FINE, basin_of
 from nospill.potential_flow.driven import LiquidKey
 from nospill.potential_flow.integration import rows_at
 from nospill.potential_flow.orders import LinearTerms, linear_terms
@@ -41,30 +41,31 @@ class FlowAlong:
         return self.states[-1] if self.breaks_at is None else np.full_like(self.states[-1], np.nan)
 
 
-def flow_terms(cargo: Cargo) -> LinearTerms:
-    """The terms of a liquid in all modes of its nonlinear flow; `unsupported` says whether they may be asked for."""
-    return _terms_like(LiquidKey(cargo))
+def flow_terms(cargo: Cargo, finest: float = FINE) -> LinearTerms:
+    """The terms of a liquid in the modes of its nonlinear flow; arguments as of `basin_of`."""
+    return _terms_like(LiquidKey(cargo), finest)
 
 
 @lru_cache(maxsize=32)
-def _terms_like(key: LiquidKey) -> LinearTerms:
-    return linear_terms(basin_of(key.cargo))
+def _terms_like(key: LiquidKey, finest: float) -> LinearTerms:
+    return linear_terms(basin_of(key.cargo, finest))
 
 
-def flows_along(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray) -> list[FlowAlong]:
+def flows_along(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray, finest: float = FINE) -> list[FlowAlong]:
     """The flow of each liquid.
 
     Args:
         objects: with the liquids, at rest at the first instant; like ones are followed together.
         t: (m,) s.
         body: (9, m) angular velocity, angular acceleration and specific force of the tray, its axes.
+        finest: largest wave number over that of the slowest mode.
     """
     alike: dict[LiquidKey, list[int]] = {}
     for index, cargo in enumerate(objects):
         alike.setdefault(LiquidKey(cargo), []).append(index)
     found: dict[int, FlowAlong] = {}
     for key, places in alike.items():
-        terms = _terms_like(key)
+        terms = _terms_like(key, finest)
         count = int(np.ceil((t[-1] - t[0]) * float(np.max(terms.basin.frequency)) / _STEP_ANGLE))
         instants = np.linspace(t[0], t[-1], 2 * count + 1)
         rows = np.stack([np.interp(instants, t, row) for row in body])

@@ -68,7 +68,7 @@ def test_every_warning_leaves_a_quiet_scene_alone(found) -> None:
         "robot.base_position": ["0 m", "0 m", "0 m"],
         "planning": {},
     }
-    assert len(WARNINGS) == 28
+    assert len(WARNINGS) == 29
     assert found(quiet) == {}
 
 
@@ -335,6 +335,31 @@ def test_a_stated_weight_that_decides(found, judgement: Judgement, use: float, w
         assert "comes nearest, 96 %" in warnings["smoothness", "motion"].text
 
 
+@pytest.mark.parametrize(("part", "warned"), [(0.019, False), (0.021, True)])
+def test_stated_weights_that_count_as_much_of_the_duration(
+    found, judgement: Judgement, part: float, warned: bool
+) -> None:
+    first, limit = judgement.traces[0], np.ones_like(judgement.traces[0].margin)
+    jerk, weight = 40.0, 1e-5
+    duration = weight * jerk**2 / part
+    replay = replace(judgement.replay, t=np.linspace(0.0, duration, len(judgement.replay.t)))
+    traces = (
+        replace(first, constraint="slip", limit=limit, margin=0.0 * limit),
+        replace(first, constraint="path jerk", value=jerk * limit, limit=100 * limit, margin=60 * limit),
+    )
+    stated = {"planning": {"path_jerk_weight": weight}}
+    warnings = found(stated, traces=traces, replay=replay)
+    assert (("smoothness", "motion") in warnings) == warned
+    for changes in (
+        {"planning": {}},
+        stated | {"motion.duration": f"{duration} s"},
+        stated | {"fidelity": "deliverable"},
+    ):
+        assert ("smoothness", "motion") not in found(changes, traces=traces, replay=replay)
+    if warned:
+        assert "path_jerk_weight = 1e-05 count as 0.016 s, 2 % of the" in warnings["smoothness", "motion"].text
+
+
 # --- where they go --------------------------------------------------------------------------------------------------
 
 
@@ -411,13 +436,13 @@ def test_a_crest_of_second_order_is_not_called_linear(found, judgement: Judgemen
     assert list(slower_warnings(read_scenario(NAME), raised, full, (), None)) == []
 
 
-def test_a_crest_of_the_flow_is_not_called_one_of_second_order(found, judgement: Judgement) -> None:
+def test_a_crest_of_the_flow_is_not_called_one_of_second_order(found, judgement: Judgement, full: Judgement) -> None:
     rows = tuple(
         replace(row, worst_value=0.012, linear_value=0.003) if row.id == ("slosh height", "cup") else row
         for row in judgement.certificate.rows
     )
     asked = {"motion.slosh_height": "nonlinear"}
-    warnings = found(asked, certificate=replace(judgement.certificate, rows=rows))
+    warnings = found(asked, certificate=replace(judgement.certificate, rows=rows), replay=full.replay)
     assert "nonlinear flow is seldom in doubt" in warnings["crest", "cup"].text
     assert ("driven by turns", "cup") not in warnings
 

@@ -183,9 +183,10 @@ Budget = Cone | Range | Stop
 def smooth_rows(budget: Budget, reserve: SX) -> tuple[SX, np.ndarray, np.ndarray]:
     """A budget less a reserve as rows with constant bounds: values (m, 1), lower (m,), upper (m,).
 
-    A cone of one dimension gives two linear rows; of more, capacity^2 - |demand|^2 >= 0, valid because every capacity
-    is proportional to a pressing force that another constraint keeps positive, or constant. A way to stop is squared
-    where the value goes towards its end, so that it has a slope wherever it is at its limit.
+    A cone of one dimension gives two linear rows, one with both bounds where its capacity is constant; of more,
+    capacity^2 - |demand|^2 >= 0, valid because every capacity is proportional to a pressing force that another
+    constraint keeps positive, or constant. A way to stop is squared where the value goes towards its end, so that it
+    has a slope wherever it is at its limit.
     """
     if isinstance(budget, Stop):
         value = budget.value / (1 - reserve)
@@ -201,6 +202,8 @@ def smooth_rows(budget: Budget, reserve: SX) -> tuple[SX, np.ndarray, np.ndarray
     capacity = budget.capacity * (1 - reserve) / budget.scale
     demand = budget.demand / budget.scale
     if demand.numel() == 1:
+        if budget.capacity is budget.scale:
+            return demand / (1 - reserve), -np.ones(1), np.ones(1)
         return ca.vertcat(capacity - demand, capacity + demand), np.zeros(2), np.full(2, np.inf)
     return capacity**2 - ca.dot(demand, demand), np.zeros(1), np.full(1, np.inf)
 

@@ -28,13 +28,13 @@ from nospill.plans.warnings.liquids import (
     density,
     distance_to_the_rim,
     driven_by_turns,
-    flow,
     meniscus,
     sloping_wall,
     surface_tension,
     surface_tension_value,
     viscosity,
 )
+from nospill.plans.warnings.nonlinear_flow import flow, flow_in_doubt
 from nospill.plans.warnings.objects import empty_tray, hardly_meant
 from nospill.plans.warnings.record import Facts, PlanWarning, Warn
 from nospill.plans.warnings.reserves import back_off, no_reserve
@@ -50,6 +50,7 @@ WARNINGS: tuple[Warn, ...] = (
     breaking,
     driven_by_turns,
     flow,
+    flow_in_doubt,
     sloping_wall,
     distance_to_the_rim,
     surface_tension,

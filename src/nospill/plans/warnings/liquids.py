@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from nospill.certification.by_flow import broken_flows
 from nospill.core.units import format_quantity
 from nospill.errors import ModelError
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -109,23 +108,6 @@ def driven_by_turns(facts: Facts) -> Iterator[PlanWarning]:
                 "first; see nospill verify DIR --water, and try a smaller motion.max_tilt or a longer motion.duration."
             )
             yield PlanWarning("driven by turns", row.subject, text, row.worst_value / linear, MOST_OVER_LINEAR)
-
-
-def flow(facts: Facts) -> Iterator[PlanWarning]:
-    """The nonlinear flow that judges a height breaks down: the row is over its limit by no height of a liquid."""
-    rows, rules = facts.judgement.certificate.rows, facts.scene.motion
-    orders = {SloshHeight.name: rules.slosh_height, ResidualHeight.name: rules.residual_height}
-    over = {row.subject for row in rows if not row.ok and orders.get(row.constraint) == "nonlinear"}
-    if not over:
-        return
-    for name, (breaks_at, height) in broken_flows(facts.scene, facts.judgement.replay).items():
-        if name in over:
-            text = (
-                f"the flow of the liquid breaks down at {breaks_at:.2f} s, so its height from there on is not known "
-                f"and counts as {_mm(height)}; try a smaller max_slosh_height, a longer motion.duration or "
-                '"second order" in the place of "nonlinear".'
-            )
-            yield PlanWarning("flow", name, text, breaks_at)
 
 
 def sloping_wall(facts: Facts) -> Iterator[PlanWarning]:
