@@ -391,7 +391,8 @@ class ActiveSet:
             if self.smoothness.stilled:
                 margins = half_way(margins, self.margins)
             light = rougher(self.smoothness, judgement.band.use, rings=self.rings)
-            worth = self.rings or light.factor < _LIGHTER * self.smoothness.factor
+            before = self.smoothness.factor
+            worth = self.rings or before == 1.0 or light.factor < _LIGHTER * before
             return replace(self, margins=margins, smoothness=light) if worth else self
         if self.task.smooth_first:
             return self._with_driven(judgement)
