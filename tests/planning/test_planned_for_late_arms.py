@@ -11,7 +11,7 @@ from nospill.laws.constraints.base import RowId
 from nospill.margins import margins
 from nospill.planning import refinement
 from nospill.planning.planner import plan
-from nospill.planning.smoothness import AS_STATED, LATE, LATE_AT_ONCE, RINGING, Smoothness
+from nospill.planning.smoothness import AS_STATED, LATE, LATE_AT_ONCE, RINGING, STILLED, Smoothness
 from nospill.planning.tracking_margins import (
     falling,
     half_way,
@@ -99,17 +99,33 @@ def test_margins_are_what_the_band_adds_and_fall_half_way_at_most() -> None:
     middle = 0.5 * (0.3 + 0.1 * band.t)
     assert np.allclose(falling(found, before)[slip].kept, middle)
     assert falling(found, {}) == found
+    assert np.allclose(falling(found, before, {slip: 1.1})[slip].kept, 0.3)  # it is over its limit as it is
     assert np.allclose(half_way(found, before)[slip].kept, middle)
     assert np.allclose(half_way(found, {})[slip].kept, 0.05 * band.t)
 
 
 def test_jerks_weigh_more_only_for_heights_at_the_end() -> None:
+    planned = {RowId("residual height", "c1"): 0.95}
     for margins_, cause in ((False, LATE_AT_ONCE), (True, LATE)):
-        assert smoother(AS_STATED, _band(slip=1.4).use, rings=False, margins=margins_) == AS_STATED
-        found = smoother(AS_STATED, _band(slip=1.4, residual_height=1.7).use, rings=False, margins=margins_)
+        assert smoother(AS_STATED, _band(slip=1.4).use, planned, rings=False, margins=margins_) == AS_STATED
+        found = smoother(AS_STATED, _band(slip=1.4, residual_height=1.7).use, planned, rings=False, margins=margins_)
         assert found == AS_STATED.heavier(cause, 1.7) != AS_STATED
     risen = AS_STATED.heavier(LATE_AT_ONCE, 1.7)
-    assert smoother(risen, _band(residual_height=1.7).use, rings=False, margins=False) == risen  # once
+    assert smoother(risen, _band(residual_height=1.7).use, planned, rings=False, margins=False) == risen  # once
+
+
+def test_where_most_that_is_left_is_lateness_that_is_stilled_itself_once_jerks_weigh_much() -> None:
+    uses, planned = _band(residual_height=2.7).use, {RowId("residual height", "c1"): 1.3}
+    risen = smoother(AS_STATED, uses, planned, rings=False, margins=False)
+    assert risen == AS_STATED.heavier(LATE_AT_ONCE, 2.7) and not risen.stilled
+    stilled = smoother(risen, uses, planned, rings=False, margins=False)
+    assert stilled.stilled and stilled.factor == LATE_AT_ONCE.least < risen.factor
+    assert smoother(stilled, uses, planned, rings=False, margins=False) == stilled
+    assert smoother(stilled, uses, planned, rings=False, margins=True) == stilled.heavier(STILLED, 2.7)
+    assert stilled.heavier(STILLED, 2.7).stilled
+    assert rougher(stilled, {}, rings=False) == stilled.lighter(STILLED, 0.0)
+    within = _band(residual_height=0.99).use
+    assert smoother(risen, within, {}, rings=False, margins=True) == risen
 
 
 def test_after_a_motion_that_holds_they_weigh_less_as_far_as_those_heights_let_them() -> None:
@@ -120,7 +136,7 @@ def test_after_a_motion_that_holds_they_weigh_less_as_far_as_those_heights_let_t
 
 def test_jerks_weigh_more_for_any_row_where_joints_ring() -> None:
     def factor(*, margins: bool, **use: float) -> float:
-        return smoother(Smoothness(2.0), _band(**use).use, rings=True, margins=margins).factor
+        return smoother(Smoothness(2.0), _band(**use).use, {}, rings=True, margins=margins).factor
 
     assert factor(margins=False, slip=1.05, residual_height=0.5) == Smoothness(2.0).heavier(RINGING, 1.05).factor > 2.0
     assert factor(margins=True, slip=1.05, residual_height=0.5) == 2.0

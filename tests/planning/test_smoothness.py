@@ -13,11 +13,12 @@ from nospill.planning.smoothness import (
     OTHER_MODES,
     RINGING,
     SECOND_ORDER,
+    STILLED,
     Cause,
     Smoothness,
 )
 
-CAUSES = (OTHER_MODES, SECOND_ORDER, FLOW, LATE_AT_ONCE, LATE, RINGING)
+CAUSES = (OTHER_MODES, SECOND_ORDER, FLOW, LATE_AT_ONCE, LATE, STILLED, RINGING)
 
 
 @pytest.mark.parametrize("cause", CAUSES)

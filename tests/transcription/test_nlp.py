@@ -194,7 +194,7 @@ def test_threads_change_no_bit(threads, monkeypatch):
     found = problem("matrix-liquid-tilt")
     plain = found.transcription
     monkeypatch.setenv("NOSPILL_THREADS", threads)
-    shared = _transcribe.__wrapped__(plain.stage, INTERVALS, None, (), False)
+    shared = _transcribe.__wrapped__(plain.stage, INTERVALS, None, (), jumps=False, sums=False)
     point, multipliers = random_point(found, 2), np.random.default_rng(3).normal(size=len(plain.lower))
     assert plain.rows_per_stage == shared.rows_per_stage  # the problem keeps every row, too
     at = [point, found.parameters]

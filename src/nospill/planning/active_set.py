@@ -86,6 +86,8 @@ _FAR = 0.05
 """Part of a limit; a motion that is over one by more as planned is made for the arm as stated first."""
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
+_LIGHTER = 0.85
+"""Part of the weights of the jerks that a motion that holds over a band of late arms has to promise for more solves."""
 
 
 def _far_over(judgement: Judgement) -> bool:
@@ -220,13 +222,13 @@ class ActiveSet:
         following, band = self._after(judgement, slack), judgement.band
         if band is None or (max(band.use.values(), default=0.0) <= 1.0 and following is self):
             return following
-        names, first, rings = following.names, not self.margins, self._rings
+        names, first, rings = following.names, not self.margins, self.rings
+        planned, uses = uses_of(judgement.planned_rows), uses_over(band, names)
         lowered: dict[RowId, float] = {}
         if not (first or rings):
-            planned = uses_of(self._on_members(judgement.planned_rows))
-            lowered = lowered_at_end(self.backoff, band, planned, self.names)
-        uses = {row: use for row, use in band.use.items() if lowered.keys().isdisjoint(of_members(row, names))}
-        smooth = smoother(self.smoothness, uses, rings=rings, margins=not first)
+            lowered = lowered_at_end(self.backoff, band, uses_of(self._on_members(judgement.planned_rows)), self.names)
+        left = {row: use for row, use in band.use.items() if lowered.keys().isdisjoint(of_members(row, names))}
+        smooth = smoother(self.smoothness, left, planned, rings=rings, margins=not first)
         if not rings:
             following = following.as_smooth_as(smooth)
         if following.scene is not self.scene or (first and _far_over(judgement)):
@@ -235,22 +237,24 @@ class ActiveSet:
             following = following.as_smooth_as(smooth)
             if rings_far(band, self.smoothness):
                 return following
-        growths = self._growths(judgement)
+        growths, stilled = self._growths(judgement), self.smoothness.stilled
         backoff = following.backoff if first else raised_backoff(following.backoff, band, names, growths)
-        own = self._on_members(judgement.planned_rows)
-        backoff = {**backoff, **relaxed_by_order(own, backoff, uses_over(band, names))}
-        backoff |= {row: max(value, backoff[row]) for row, value in lowered.items()}
+        if not stilled:  # there crests are what is nearest to its limit: what one gets back it would ask for again
+            backoff = {**backoff, **relaxed_by_order(self._on_members(judgement.planned_rows), backoff, uses)}
+        backoff = {**backoff, **{row: max(value, backoff[row]) for row, value in lowered.items()}}
         found = margins_over(band, names, judgement.end_time, backoff, growths)
-        margins = half_way(found, self.margins) if rings else falling(found, self.margins)
+        margins = half_way(found, self.margins) if rings else falling(found, self.margins, uses if stilled else {})
         rows = following.rows | (joining(band, names) & following.possible)
         return replace(following, rows=rows, margins=margins, backoff=backoff)
 
     def as_smooth_as(self, smoothness: Smoothness) -> ActiveSet:
-        """The same with jerks of at least that weight."""
-        return replace(self, smoothness=smoothness) if smoothness.factor > self.smoothness.factor else self
+        """The same with jerks of at least that weight; of another where late joints are stilled from then on."""
+        begins = smoothness.stilled and not self.smoothness.stilled
+        return replace(self, smoothness=smoothness) if begins or smoothness.factor > self.smoothness.factor else self
 
     @property
-    def _rings(self) -> bool:
+    def rings(self) -> bool:
+        """Whether the joints may ring."""
         tracking = self.task.scene.tracking
         return tracking is not None and tracking.resonance is not None
 
@@ -384,8 +388,12 @@ class ActiveSet:
         if self.margins and judgement.band is not None:
             growths = self._growths(judgement)
             margins = margins_over(judgement.band, self.names, judgement.end_time, self.backoff, growths)
-            light = rougher(self.smoothness, judgement.band.use, rings=self._rings)
-            return replace(self, margins=margins, smoothness=light)
+            if self.smoothness.stilled:
+                margins = half_way(margins, self.margins)
+            light = rougher(self.smoothness, judgement.band.use, rings=self.rings)
+            before = self.smoothness.factor
+            worth = self.rings or before == 1.0 or light.factor < _LIGHTER * before
+            return replace(self, margins=margins, smoothness=light) if worth else self
         if self.task.smooth_first:
             return self._with_driven(judgement)
         own = list(self._on_members(self._judged(judgement)))

@@ -14,6 +14,7 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.log import Log
 from nospill.transcription.clearance_planes import Planes, separating
 from nospill.transcription.export_samples import export_samples
+from nospill.transcription.late_sums import late_sums
 from nospill.transcription.margins_along import with_margins
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between
 from nospill.transcription.problem import Problem, build_problem
@@ -96,6 +97,7 @@ def problem_about(active: ActiveSet, motion: Stages, planes: Planes | None = Non
         self_motion=motion.self_motion,
         least_determinant=active.task.passage.determinant,
         planes=planes or separating(active.task.scene, active.rows, q, active.everywhere),
+        sums=late_sums(active.scene, motion) if active.smoothness.stilled else None,
     )
     return with_margins(problem, motion, active.margins) if active.margins else problem
 

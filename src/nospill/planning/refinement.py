@@ -77,9 +77,19 @@ def _with_modes(coarse: Candidate, rows: Collection[RowId], log: Log) -> Candida
             after = coarse.active.after(judged.judgement)
             active = after.with_rows(after.rows.union(rows))
             if active.refined:
-                return _solve_near_optimum(
-                    active, start_from(active, judged.trajectory, log, coarse.stages), BARRIERS, log
-                )
+                start = _smoothed(coarse, active, log) or judged.trajectory
+                return _solve_near_optimum(active, start_from(active, start, log, coarse.stages), BARRIERS, log)
+    return None
+
+
+def _smoothed(coarse: Candidate, active: ActiveSet, log: Log) -> Trajectory | None:
+    """The coarse answer once more with the weights that late joints ask for, a start nearer by; None without such."""
+    smooth = coarse.active.as_smooth_as(active.smoothness)
+    if smooth is coarse.active or active.task.scene.tracking is None or active.rings:
+        return None
+    again = solved(smooth, coarse.stages, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS))
+    with suppress(ModelError):
+        return exported(again) if again.has_converged else None
     return None
 
 

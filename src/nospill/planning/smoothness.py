@@ -59,6 +59,8 @@ LATE_AT_ONCE = Cause(power=4.0, least=30.0, most=60.0, heaviest=60.0, acts_from=
 """What late joints leave after the end, before any margins: those of a rough motion are too much."""
 LATE = Cause(power=2.5, least=1.05, most=2.0, aim=0.985, fall=2.5, most_fall=1.5, by_secants=True)
 """The same once rows have margins."""
+STILLED = Cause(power=1.0, least=1.05, most=1.5, aim=0.985, fall=1.0, most_fall=1.5)
+"""The same where late joints are stilled: the rest changes from round to round with the motion that gains are of."""
 RINGING = Cause(power=2.0, least=1.25, most=10.0, least_fall=3.0, most_fall=3.0, halves=True)
 """Any row where joints ring: steps of the jerk let them. After a motion that holds nothing says which row lighter jerks
 would be too much for."""
@@ -85,11 +87,13 @@ class Smoothness:
         factor: at least 1.
         tried: what another one led to, where secants are asked for.
         held_with: one with which a motion held, where what held is gone back to.
+        stilled: whether what late joints leave after the end is a part of the cost (`transcription.late_sums`).
     """
 
     factor: float = 1.0
     tried: Tried | None = None
     held_with: float = math.inf
+    stilled: bool = False
 
     def heavier(self, cause: Cause, use: float) -> Smoothness:
         """For the next problem: jerks of more weight where a use is too much, else the same.
@@ -113,6 +117,11 @@ class Smoothness:
         factor = max(self.factor * min(max(ratio, 1.0 / cause.most_fall), 1.0 / cause.least_fall), 1.0)
         tried = Tried(self.factor, use) if cause.by_secants else self.tried
         return replace(self, factor=factor, tried=tried, held_with=self.factor if cause.halves else self.held_with)
+
+    @property
+    def with_late_stilled(self) -> Smoothness:
+        """Where late joints are stilled instead: jerks weigh as little as they do at once for them, at most."""
+        return Smoothness(min(self.factor, LATE_AT_ONCE.least), stilled=True)
 
     @property
     def with_waves_as_states(self) -> Smoothness:

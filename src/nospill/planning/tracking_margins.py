@@ -20,7 +20,7 @@ from nospill.certification.wording import describe
 from nospill.errors import MOTION, NoSolutionError, Reason
 from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
-from nospill.planning.smoothness import LATE, LATE_AT_ONCE, RINGING, Smoothness
+from nospill.planning.smoothness import LATE, LATE_AT_ONCE, RINGING, STILLED, Smoothness
 from nospill.scene.scene import Scene
 from nospill.scene.tracking import Tracking
 from nospill.scene.variants import VariantId
@@ -70,13 +70,19 @@ def margins_over(
     return found
 
 
-def falling(margins: Mapping[RowId, Margin], before: Mapping[RowId, Margin]) -> dict[RowId, Margin]:
-    """Margins no less than half way from those before."""
+def falling(
+    margins: Mapping[RowId, Margin], before: Mapping[RowId, Margin], uses: Mapping[RowId, float] = MappingProxyType({})
+) -> dict[RowId, Margin]:
+    """Margins no less than half way from those before; no less than those of a row whose use over the band is above 1.
+
+    Else a row that needs back-off beside its margin would lose of one what it gets of the other.
+    """
     middle = half_way(margins, before)
-    return {
-        row: replace(own, kept=np.maximum(own.kept, middle[row].kept)) if row in before else own
-        for row, own in margins.items()
-    }
+    found: dict[RowId, Margin] = {}
+    for row, own in margins.items():
+        least = _kept_before(own, before.get(row)) if uses.get(row, 0.0) > 1.0 else middle[row].kept
+        found[row] = replace(own, kept=np.maximum(own.kept, least)) if row in before else own
+    return found
 
 
 def half_way(margins: Mapping[RowId, Margin], before: Mapping[RowId, Margin]) -> dict[RowId, Margin]:
@@ -191,28 +197,46 @@ def _part_of(tracking: Tracking, part: float) -> str:
     return f" ({', '.join(found)})" if found else ""
 
 
-def smoother(before: Smoothness, uses: Mapping[RowId, float], *, rings: bool, margins: bool) -> Smoothness:
+def smoother(
+    before: Smoothness, uses: Mapping[RowId, float], planned: Mapping[RowId, float], *, rings: bool, margins: bool
+) -> Smoothness:
     """How smooth the next motion is to be, where the last one has rows over the band that only smoothness lowers.
 
     Those are rows on the final state; where joints ring any row, but of what has margins only what is more than those
-    and back-off take away.
+    and back-off take away. Where late joints leave more than the motion as planned does, jerks of more weight are a
+    poor remedy once they weigh much: then what is left costs something itself.
 
     Args:
         before: of the last problem.
         uses: of its motion over the band.
+        planned: without the band.
         rings: whether joints ring.
         margins: whether the problem had margins.
     """
     if rings:
         return before.heavier(RINGING, _largest(uses, above=_BY_MARGINS if margins else 1.0))
-    if margins:
-        return before.heavier(LATE, _largest(uses))
-    return before.heavier(LATE_AT_ONCE, _largest(uses)) if before.tried is None else before
+    if not margins and before.tried is None and not before.stilled:
+        heavier = before.heavier(LATE_AT_ONCE, _largest(uses))
+        if heavier is not before:
+            return heavier
+    if not before.stilled and _mostly_late(uses, planned):
+        return before.with_late_stilled
+    if not margins:
+        return before
+    return before.heavier(STILLED if before.stilled else LATE, _largest(uses))
 
 
 def rougher(before: Smoothness, uses: Mapping[RowId, float], *, rings: bool) -> Smoothness:
     """How smooth the next motion is to be after one that holds; arguments as of `smoother`."""
-    return before.lighter(RINGING, 0.0) if rings else before.lighter(LATE, _largest(uses))
+    if rings:
+        return before.lighter(RINGING, 0.0)
+    return before.lighter(STILLED if before.stilled else LATE, _largest(uses))
+
+
+def _mostly_late(uses: Mapping[RowId, float], planned: Mapping[RowId, float]) -> bool:
+    """Whether a row on the final state is over, more of it by lateness than by the motion as planned."""
+    over = {row: use for row, use in uses.items() if row.constraint in END_NAMES and use > 1.0}
+    return any(planned.get(row, 0.0) <= _OWN * use for row, use in over.items())
 
 
 def _largest(uses: Mapping[RowId, float], above: float = math.inf) -> float:

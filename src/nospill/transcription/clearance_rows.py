@@ -32,19 +32,19 @@ MX = ca.MX
 
 
 class ClearanceRows:
-    """The rows of some groups on N intervals."""
+    """The rows of some groups."""
 
-    def __init__(self, groups: Groups, layout: Layout, intervals: int, w: MX, numbers: MX) -> None:
+    def __init__(self, groups: Groups, layout: Layout, w: MX, numbers: MX, first: int) -> None:
         """Read variables and numbers.
 
         Args:
             groups: of bodies beside planes.
             layout: of a stage; joint positions are not scaled.
-            intervals: N.
             w: variables of the problem.
             numbers: as `Planes.parameters` has them.
+            first: of the variables of the planes.
         """
-        self._layout, self._intervals, self._size = layout, intervals, int(w.numel())
+        self._layout, self._first, self._size = layout, first, int(w.numel())
         self.count = row_count(groups)
         starts = np.cumsum([0, *(group.number_count for group in groups)]).tolist()
         parts = ca.vertsplit(numbers, starts) if groups else []
@@ -89,8 +89,7 @@ class ClearanceRows:
         """(bodies, joints and `PLANE`) variables that each body beside a plane reads."""
         layout, (node, plane, _) = self._layout, np.array(group.places).T[:, :, None]
         joints = layout.joint_position.start + np.array(group.between.read, dtype=int)
-        of_motion = self._intervals * layout.size + layout.states
-        return np.hstack([node * layout.size + joints, of_motion + PLANE * plane + np.arange(PLANE)])
+        return np.hstack([node * layout.size + joints, self._first + PLANE * plane + np.arange(PLANE)])
 
 
 class _GroupRows:

@@ -23,6 +23,7 @@ from nospill.transcription.clearance_rows import ClearanceRows
 from nospill.transcription.jerk_jumps import JerkJumps
 from nospill.transcription.layout import Layout
 from nospill.transcription.problem_numbers import ProblemNumbers
+from nospill.transcription.running_sums import SUMS, RunningSums
 from nospill.transcription.stage import Block, RowIndex
 from nospill.transcription.stage_functions import StageFunctions, stage_functions
 from nospill.transcription.tray_block import Triplets
@@ -63,7 +64,9 @@ class Transcription:
         blocks: of the active rows of a stage, first row counted from the stage's start.
         end_blocks: of the active rows on the final state, first row counted from the first of them.
         rows_per_stage: gaps, equalities and active rows of a stage.
-        motion_variables: number of variables of the motion; those of planes between bodies are behind them.
+        motion_variables: number of variables of the motion; those of running sums and, last, of planes between bodies
+            are behind them.
+        sum_variables: number of those of running sums.
         clearance_rows: number of rows of clearance, behind all others.
         nlp: variables, parameters, cost and constraints as casadi.nlpsol takes them.
         constraint_function: (variables, parameters) -> constraints.
@@ -78,6 +81,7 @@ class Transcription:
     end_blocks: tuple[Block, ...]
     rows_per_stage: int
     motion_variables: int
+    sum_variables: int
     clearance_rows: int
     nlp: dict[str, MX]
     constraint_function: Any
@@ -111,6 +115,11 @@ class Transcription:
         return self.stage.layout
 
     @property
+    def plane_variables(self) -> int:
+        """Number of variables of planes between bodies, behind all others."""
+        return self.variables - self.motion_variables - self.sum_variables
+
+    @property
     def variables(self) -> int:
         """Number of variables."""
         return int(self.nlp["x"].numel())
@@ -134,6 +143,7 @@ def transcribe(
     active: IndexedRows | None = None,
     clearance: Groups = (),
     jumps: bool = False,
+    sums: bool = False,
 ) -> Transcription:
     """The transcription of a structure.
 
@@ -142,14 +152,15 @@ def transcribe(
         intervals: N.
         active: which rows of the table take part; None for all. The judge looks at all of them in any case.
         clearance: rows of clearance.
-        jumps: whether jumps of the jerk cost something; their weights are the last parameters then.
+        jumps: whether jumps of the jerk cost something; their weights are behind all other parameters then.
+        sums: whether running sums do; their gains are behind those.
     """
-    return _transcribe(stage_functions(structure), intervals, active, clearance, jumps)
+    return _transcribe(stage_functions(structure), intervals, active, clearance, jumps, sums)
 
 
 @lru_cache(maxsize=32)
 def _transcribe(
-    stage: StageFunctions, intervals: int, active: IndexedRows | None, clearance: Groups, jumps: bool
+    stage: StageFunctions, intervals: int, active: IndexedRows | None, clearance: Groups, jumps: bool, sums: bool
 ) -> Transcription:
     whole = stage.sizes
     rows, blocks = _active_rows(whole.blocks, active, whole.fixed)
@@ -160,42 +171,51 @@ def _transcribe(
     upper = np.concatenate([zeros, whole.upper[chosen]])
 
     of_motion = intervals * stage.layout.size + stage.layout.states
-    w = MX.sym("w", of_motion + variable_count(clearance))
+    of_sums = sums * intervals * SUMS * stage.layout.joints
+    w = MX.sym("w", of_motion + of_sums + variable_count(clearance))
     before = stage.sizes.parameters + number_count(clearance)
-    p = MX.sym("p", before + jumps * stage.layout.chains)
+    behind = before + jumps * stage.layout.chains
+    p = MX.sym("p", behind + of_sums)
     given = BlockCalls(stage, intervals, w, p)
-    apart = ClearanceRows(clearance, stage.layout, intervals, w, p[stage.sizes.parameters : before])
-    of_jumps = JerkJumps(stage.layout, intervals, w, p[before:]) if jumps else None
+    apart = ClearanceRows(clearance, stage.layout, w, p[stage.sizes.parameters : before], of_motion + of_sums)
+    of_jumps = JerkJumps(stage.layout, intervals, w, p[before:behind]) if jumps else None
+    running = RunningSums(stage.layout, intervals, w, p[behind:]) if sums else None
     gap_rows, row_order = _row_places(stage, rows, end_rows, intervals)
     following = w[_following(stage, intervals)]
 
     def gathered(stacked: MX) -> MX:
         return ca.vertcat(stacked, stacked[gap_rows] + following)[row_order]
 
-    values, cost = apart.below(gathered(given.constraints())), given.cost()
+    values, cost = gathered(given.constraints()), given.cost()
     if of_jumps is not None:
         cost += of_jumps.cost
+    if running is not None:
+        values, cost = running.below(values), cost + running.cost
+    values = apart.below(values)
 
     def derivatives() -> Derivatives:
         of_jacobian, slopes = given.constraint_jacobian()
         sparsity, order = _jacobian_places(stage, rows, end_rows, intervals)
         slopes = ca.vertcat(slopes, MX.ones(intervals * stage.layout.states))
-        jac_g = ca.Function(
-            "nlp_jac_g",
-            [w, p],
-            list(apart.jacobian_below(gathered(of_jacobian), MX(sparsity, slopes[order]))),
-            ["x", "p"],
-            ["g", "jac_g_x"],
-        )
+        rows_of_motion, jacobian = gathered(of_jacobian), MX(sparsity, slopes[order])
+        if running is not None:
+            rows_of_motion, jacobian = running.below(rows_of_motion), running.jacobian_below(jacobian)
+        whole_jacobian = list(apart.jacobian_below(rows_of_motion, jacobian))
+        jac_g = ca.Function("nlp_jac_g", [w, p], whole_jacobian, ["x", "p"], ["g", "jac_g_x"])
         costs, gradient = given.cost_gradient()
         if of_jumps is not None:
             costs, gradient = costs + of_jumps.cost, gradient + of_jumps.gradient
+        if running is not None:
+            costs, gradient = costs + running.cost, gradient + running.gradient
         grad_f = ca.Function("nlp_grad_f", [w, p], [costs, gradient], ["x", "p"], ["f", "grad_f_x"])
         multipliers, weight = MX.sym("lam_g", values.numel()), MX.sym("lam_f")
         sparsity, order = _hessian_places(stage, intervals)
         of_table, of_apart = multipliers[: values.numel() - apart.count], multipliers[values.numel() - apart.count :]
         curvature = given.lagrangian_hessian(weight, _for_all_rows(stage, intervals, of_table, rows, end_rows))
-        hessian = apart.hessian_beside(MX(sparsity, curvature[order]), of_apart)
+        hessian = MX(sparsity, curvature[order])
+        if running is not None:
+            hessian = running.hessian_beside(hessian, weight)
+        hessian = apart.hessian_beside(hessian, of_apart)
         if of_jumps is not None:
             hessian += weight * of_jumps.hessian
         hess_lag = ca.Function(
@@ -210,12 +230,15 @@ def _transcribe(
     return Transcription(
         stage=stage,
         intervals=intervals,
-        lower=np.concatenate([np.tile(lower, intervals), whole.end_lower[end_rows], np.zeros(apart.count)]),
-        upper=np.concatenate([np.tile(upper, intervals), whole.end_upper[end_rows], np.full(apart.count, np.inf)]),
+        lower=np.concatenate([np.tile(lower, intervals), whole.end_lower[end_rows], np.zeros(of_sums + apart.count)]),
+        upper=np.concatenate(
+            [np.tile(upper, intervals), whole.end_upper[end_rows], np.zeros(of_sums), np.full(apart.count, np.inf)]
+        ),
         blocks=blocks,
         end_blocks=end_blocks,
         rows_per_stage=len(rows),
         motion_variables=of_motion,
+        sum_variables=of_sums,
         clearance_rows=apart.count,
         nlp={"x": w, "p": p, "f": cost, "g": values},
         constraint_function=ca.Function("constraints", [w, p], [values]),

@@ -83,6 +83,8 @@ class Problem:
         rows: row of the structure -> row of the scene, whether it takes part or not.
         backoff: fraction of each budget that is kept from the optimiser.
         planes: of the rows of clearance.
+        sums: (n, `SUMS`, N) gains of the joints' speeds in running sums, whose squares are a part of the cost; None
+            where there are none.
         jump_weights: (c,) of the jumps of the scaled jerks in the cost; empty where these cost nothing.
         row_lower: (m,) bounds of the constraints: those of the transcription, but for a motion that begins in motion:
             without the rows on its first instant, which nothing can change, and with wider ones right after it.
@@ -102,6 +104,7 @@ class Problem:
     rows: Mapping[RowIndex, RowId]
     backoff: Backoff
     planes: Planes
+    sums: np.ndarray | None
     jump_weights: np.ndarray
     row_lower: np.ndarray
     row_upper: np.ndarray
@@ -114,7 +117,9 @@ class Problem:
         """Parameters with other numbers and back-off."""
         indexed = {index: backoff.get(row, 0.0) for index, row in self.rows.items()}
         of_table = self.transcription.parameters(numbers, self.own, self.scales, indexed)
-        return np.concatenate([of_table, self.planes.parameters(backoff), self.jump_weights])
+        scale = self.scales[self.transcription.layout.joint_speed][None, :, None]
+        of_sums = np.zeros(0) if self.sums is None else (self.sums.transpose(2, 0, 1) * scale).ravel()
+        return np.concatenate([of_table, self.planes.parameters(backoff), self.jump_weights, of_sums])
 
     @property
     def places(self) -> tuple[RowPlaces, ...]:
@@ -132,11 +137,18 @@ class Problem:
             values = determinants(self.scene.robot, table[:, layout.joint_position], self.self_motion)
             table = np.column_stack([table, values])
         of_motion = (table / self.scales).ravel()[: self.transcription.motion_variables]
-        return np.concatenate([of_motion, self.planes.values])
+        return np.concatenate([of_motion, self._sums_of(table), self.planes.values])
+
+    def _sums_of(self, table: np.ndarray) -> np.ndarray:
+        """The running sums of a motion, as its variables are."""
+        if self.sums is None:
+            return np.zeros(0)
+        speeds = table[:-1, self.transcription.layout.joint_speed]
+        return np.cumsum(self.sums.transpose(2, 0, 1) * speeds[:, :, None], axis=0).ravel()
 
     def planes_at(self, variables: np.ndarray) -> Planes:
         """The planes where scaled variables put them."""
-        return replace(self.planes, values=variables[self.transcription.motion_variables :])
+        return replace(self.planes, values=variables[len(variables) - self.transcription.plane_variables :])
 
     def duration(self, variables: np.ndarray) -> float:
         """End time of the candidate that scaled variables stand for, s."""
@@ -165,6 +177,7 @@ def build_problem(
     self_motion: np.ndarray | None = None,
     least_determinant: float | None = None,
     planes: Planes = NO_PLANES,
+    sums: np.ndarray | None = None,
 ) -> Problem:
     """The problem of a scene on a grid.
 
@@ -183,6 +196,7 @@ def build_problem(
         self_motion: of a seven-joint arm, as in `Stages`.
         least_determinant: with its sign, what the determinant of the Jacobian stays beyond; None leaves it free.
         planes: that keep bodies apart, on this grid.
+        sums: as in `Problem`.
     """
     structure = replace(structure_of(scene), regular=least_determinant is not None)
     numbers = numbers_of(scene, payload)
@@ -191,7 +205,12 @@ def build_problem(
     rows = {RowIndex(row.constraint, index): row for index, row in _rows(scene)}
     taking_part = None if active is None else frozenset(index for index, row in rows.items() if row in active)
     transcription = transcribe(
-        structure, intervals, active=taking_part, clearance=planes.groups, jumps=jump_time(scene) > 0.0
+        structure,
+        intervals,
+        active=taking_part,
+        clearance=planes.groups,
+        jumps=jump_time(scene) > 0.0,
+        sums=sums is not None,
     )
     scales = _scales(scene, structure, numbers, transcription.layout, nominal_duration, intervals)
     lower, upper = _bounds(
@@ -210,7 +229,7 @@ def build_problem(
         row_lower[early] -= WIDER
         row_upper[early] += WIDER
         row_lower[given[first]], row_upper[given[first]] = -np.inf, np.inf
-    of_planes = planes.bounds()
+    of_planes = np.concatenate([np.full(transcription.sum_variables, np.inf), planes.bounds()])
     lower, upper = np.concatenate([lower, -of_planes]), np.concatenate([upper, of_planes])
     problem = Problem(
         scene=scene,
@@ -226,6 +245,7 @@ def build_problem(
         rows=rows,
         backoff=backoff,
         planes=planes,
+        sums=sums,
         jump_weights=_jump_weights(
             scene, transcription.layout, scales, nominal_duration, intervals, jerk_weight_factor
         ),

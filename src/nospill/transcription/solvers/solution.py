@@ -62,7 +62,7 @@ class Solution:
         rows or variables are not the same in number.
         """
         rows, variables = len(problem.transcription.lower), len(problem.lower)
-        of_planes = problem.transcription.clearance_rows, variables - problem.transcription.motion_variables
+        of_planes = problem.transcription.clearance_rows, problem.transcription.plane_variables
         if (rows, variables) == (len(self.multipliers), len(self.bound_multipliers)):
             return self.multipliers, self.bound_multipliers
         own = len(self.multipliers) - self.plane_rows, len(self.bound_multipliers) - self.plane_variables

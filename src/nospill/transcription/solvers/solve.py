@@ -88,7 +88,7 @@ def solve(problem: Problem, start: Stages, *, options: SolveOptions, warm: Solut
         solve_time_s=time.perf_counter() - began,
         linear_solver=linear_solver,
         pivot_order=order,
-        plane_variables=len(problem.lower) - transcription.motion_variables,
+        plane_variables=transcription.plane_variables,
         plane_rows=transcription.clearance_rows,
     )
 
