@@ -75,6 +75,21 @@ def test_rows_as_printed(given_row: Row, shown: tuple[str, str, str]) -> None:
     assert (text.use, text.value, text.limit_and_unit) == shown
 
 
+@pytest.mark.parametrize(
+    ("given_row", "told"),
+    [
+        (row("path position", 1e-12, 1e-4, 1e-4 - 1e-12), False),
+        (row("twist", 2e-5, 1.0, 1.0 - 2e-5, "1"), False),
+        (row("twist", 2e-3, 1.0, 1.0 - 2e-3, "1"), True),
+        (row("clearance", 1e-9, -0.0225, 0.0225, "m"), True),
+        (row("slosh height", 0.01499, 0.015, 1e-5), True),
+    ],
+)
+def test_what_rounding_makes_has_no_instant(given_row: Row, told: bool) -> None:
+    text = row_text(given_row)
+    assert text.at == (f"{given_row.at_s:.3f}" if told else "") and bool(text.at_with_unit) is told
+
+
 @pytest.mark.parametrize(("margin", "text"), [(5.9e-4 * 0.015, "0.05 %"), (0.0, "0.00 %"), (-0.003, "−20.00 %")])
 def test_reserve_is_rounded_down(margin: float, text: str) -> None:
     assert margin_text(row("slosh height", 0.015 - margin, 0.015, margin)) == text

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from nospill.certification.verdict import Row
+from nospill.certification.wording import row_text
 from nospill.plans.plan import Plan
 from nospill.plots.report_pages import report_svgs
 from nospill.plots.text_pages import TextTable
@@ -156,7 +157,7 @@ def test_every_row_of_the_certificate_is_printed(fast_page: str, fast_report: Re
     for row in fast_report.certificate.rows:
         at = [i for i, cell in enumerate(cells) if cell == row.constraint and cells[i + 1] == row.label]
         assert at, (row.constraint, row.label)
-        assert any(f"{row.at_s:.3f}" in cells[i : i + 8] for i in at)
+        assert any(row_text(row).at in cells[i : i + 8] for i in at)
 
 
 @given(use=st.floats(-5.0, 50.0))

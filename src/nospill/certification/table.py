@@ -64,7 +64,7 @@ def certificate_table(certificate: Certificate, scene: Scene, *, everything: boo
         text = row_text(row)
         mark = [] if not failing else ["" if row.ok else "FAILS"]
         own = [row.constraint, short.get(row.subject, row.subject), text.use, *mark, text.value, text.limit_and_unit]
-        cells.append((*own, f"{row.at_s:.3f} s", *([row.variant] if varied else [])))
+        cells.append((*own, text.at_with_unit, *([row.variant] if varied else [])))
     columns = ["constraint", "of", "use", *(["FAILS"] if failing else []), "value", "limit", "at"]
     return CertificateTable((*columns, *(["with"] if varied else [])), tuple(cells), failing)
 

@@ -54,17 +54,24 @@ class RowText:
         use: of the limit, "99.9 %".
         value, limit: in `unit`, without it; a limit from below begins with "≥ ".
         unit: empty where the figures have none.
+        at: "0.428", s; empty where the value is not told from zero, since rounding decides when that is most.
     """
 
     use: str
     value: str
     limit: str
     unit: str
+    at: str
 
     @property
     def limit_and_unit(self) -> str:
         """The limit in its unit, in one cell of a table."""
         return f"{self.limit} {self.unit}".rstrip()
+
+    @property
+    def at_with_unit(self) -> str:
+        """When it is most used, in its unit, in one cell of a table."""
+        return self.at and f"{self.at} s"
 
 
 def verdict_line(certificate: Certificate) -> str:
@@ -130,14 +137,16 @@ def row_text(row: Row) -> RowText:
     if limit < 0.0 and not _is_signed(row):
         value, limit = -value, -limit
     from_below = (value - limit) * row.worst_margin > 0.0 and (limit >= 0.0 or _is_distance(row))
-    share = percent(row.use, row.ok)
+    share, nothing = percent(row.use, row.ok), abs(value) < _NOTHING * abs(limit)
     if unit == "%":  # one figure, not rounded in two ways
         value_text, limit_text = share.removesuffix(" %"), "100"
-    elif 0.0 < abs(value) < _NOTHING * abs(limit):
+    elif nothing and value != 0.0:
         value_text, limit_text = f"< {_number(_NOTHING * abs(limit), 1)}", _number(limit, _FIGURES)
     else:
         value_text, limit_text = _apart(value, limit)
-    return RowText(share, value_text, f"{_FROM_BELOW}{limit_text}" if from_below else limit_text, superscript(unit))
+    at = "" if nothing and row.use < _NOTHING else f"{row.at_s:.3f}"
+    limit_text = f"{_FROM_BELOW}{limit_text}" if from_below else limit_text
+    return RowText(share, value_text, limit_text, superscript(unit), at)
 
 
 def describe(row: Row) -> str:

@@ -151,7 +151,7 @@ def _print_rows(found: Executed, *, everything: bool) -> None:
                 mark(found, row),
                 text.value,
                 text.limit_and_unit,
-                f"{row.at_s:.3f} s",
+                text.at_with_unit,
             ]
         )
     columns = ["constraint", "of", *(["planned"] if found.planned else []), "executed", "noise", "", "value", "limit"]

@@ -15,6 +15,8 @@ from nospill.plans.swings import swing_table
 
 _SMALL = 0.01
 """mm; narrower bands are not told apart."""
+_EXACT = 1e-9
+"""rad and m; what rounding makes of a log that holds the command itself."""
 
 
 def band_text(found: Executed, row: Row) -> str:
@@ -123,6 +125,8 @@ def tracking_lines(found: Executed) -> list[str]:
         lines.insert(
             0, f"clock: the plan begins at {found.clock:.4f} s of the log, delays that all joints share included"
         )
+    if max(own.error[worst], own.tray_error) < _EXACT:
+        return [*lines, f"tracking: exact, within {1e3 * _EXACT:.0e} mrad and mm"]
     place = f"{joints[worst]} at {own.error_at[worst]:.3f} s"
     tray = f"the tray {1e3 * own.tray_error:.3g} mm at {own.tray_error_at:.3f} s"
     lines.append(f"tracking: at most {1e3 * own.error[worst]:.3g} mrad ({place}), {tray}")

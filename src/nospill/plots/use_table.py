@@ -74,7 +74,7 @@ def _draw_row(axes: Axes, line: int, row: Row, subject: str, unit_use: float) ->
         (_VALUE, text.value, "right"),
         (_LIMIT, text.limit, "right"),
         (_UNIT, text.unit, "left"),
-        (_TIME, f"{row.at_s:.3f}", "right"),
+        (_TIME, text.at, "right"),
     ):
         # Names of the rows about an approach are longer than the column.
         size = min(8.0, 8.0 * _LONGEST_NAME / len(cell)) if x == 0.0 and len(cell) > 21 else 8.0

@@ -161,9 +161,7 @@ def certificate_table(certificate: Certificate, *, everything: bool) -> TextTabl
     for row in rows:
         text = row_text(row)
         verdict = "holds" if row.ok else "FAILS"
-        cells.append(
-            (row.constraint, row.label, text.use, text.value, text.limit, text.unit, f"{row.at_s:.3f}", verdict)
-        )
+        cells.append((row.constraint, row.label, text.use, text.value, text.limit, text.unit, text.at, verdict))
     return TextTable(
         "All rows of the certificate" if everything else "Certificate",
         ("constraint", "of", "use of limit", "value", "limit", "unit", "at [s]", ""),

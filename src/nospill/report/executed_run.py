@@ -71,7 +71,7 @@ def _rows(run: Executed) -> TextTable:
                 band_text(run, row),
                 text.value,
                 text.limit_and_unit,
-                f"{row.at_s:.3f}",
+                text.at,
                 mark(run, row) or "holds",
             )
         )

@@ -210,7 +210,7 @@ def _certificate_row(row: Row, subject: str) -> str:
         f"<th scope='row'>{escape(row.constraint)}</th><td>{escape(subject)}</td><td>{_bar(row)}</td>"
         f"<td class='number'>{text.use}</td><td class='number'>{escape(text.value)}</td>"
         f"<td class='number'>{text.limit}</td>"
-        f"<td>{escape(text.unit)}</td><td class='number'>{row.at_s:.3f}</td>"
+        f"<td>{escape(text.unit)}</td><td class='number'>{text.at}</td>"
     )
     return f"<tr{_failing(not row.ok)}>{cells}</tr>"
 
