@@ -55,22 +55,9 @@ def mode() -> str:
 
 
 def is_whole(library: Path) -> bool:
-    """Whether a library is there with its own hash beside it: half of one would end the process that loads it.
-
-    A file that was found whole is not read again until it changes.
-    """
+    """Whether a library is there with its own hash beside it: half of one would end the process that loads it."""
     try:
-        status = library.stat()
-        version = (status.st_ino, status.st_mtime_ns, status.st_size)
-        if _WHOLE.get(library) != version:
-            stored = library.with_suffix(".sum").read_text(encoding="utf-8")
-            if stored != hashlib.sha256(library.read_bytes()).hexdigest():
-                return False
-            _WHOLE[library] = version
-        return True
+        stored = library.with_suffix(".sum").read_text(encoding="utf-8")
+        return stored == hashlib.sha256(library.read_bytes()).hexdigest()
     except (OSError, ValueError):
         return False
-
-
-_WHOLE: dict[Path, tuple[int, int, int]] = {}
-"""Inode, time and size of libraries that were found whole."""
