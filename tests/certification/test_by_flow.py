@@ -159,6 +159,21 @@ def test_a_flow_that_breaks_down_is_told_apart(
     assert not [item for item in plan_warnings(scene, again, {}) if item.name == "flow"]
 
 
+def test_a_flow_that_breaks_down_with_fewer_modes_is_in_doubt(
+    judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, _, judgement = judged
+    found, lost = by_flow.flows_along, 0.62
+
+    def broken(objects: list[Cargo], t: np.ndarray, body: np.ndarray, *fewer: float) -> list[FlowAlong]:
+        flows = found(objects, t, body, *fewer)
+        return [replace(flow, breaks_at=lost) for flow in flows] if fewer else flows
+
+    monkeypatch.setattr(by_flow, "flows_along", broken)
+    doubts = doubted_flows(scene, replace(judgement.replay))
+    assert set(doubts) == {"cup", "mug"} and set(doubts.values()) == {"the flow's numbers break down at 0.62 s"}
+
+
 @pytest.mark.parametrize(
     ("figure", "least", "reason"),
     [("STEEPEST", 0.1, "steeper than 45 deg"), ("TRUSTED", 1e-4, "with fewer modes the highest crest is")],

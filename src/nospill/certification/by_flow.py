@@ -175,7 +175,7 @@ def doubted_flows(scene: Scene, played: Replay) -> dict[str, str]:
         of_fewer = np.max(_crests(cargo, own, fewer, flow_terms(cargo, COARSE).basin, played))
         t = played.t[0] + flow.step * np.arange(len(flow.states))
         spread = abs(crest - of_fewer) / crest if crest > 0.0 else 0.0
-        if (doubt := doubt_of(t, largest_slopes(basin, flow.states), spread)) is not None:
+        if (doubt := doubt_of(fewer.breaks_at, t, largest_slopes(basin, flow.states), spread)) is not None:
             found[cargo.name] = doubt
     return found
 

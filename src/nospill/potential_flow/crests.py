@@ -58,9 +58,7 @@ class Crests:
     @property
     def doubt(self) -> str | None:
         """Why the full flow is not to be trusted, as the end of a sentence; None where it is."""
-        if self.breaks_at is not None:
-            return f"the flow's numbers break down at {self.breaks_at:.2f} s"
-        return doubt_of(self.t[: len(self.steepness)], self.steepness, self.spread)
+        return doubt_of(self.breaks_at, self.t[: len(self.steepness)], self.steepness, self.spread)
 
     def highest(self, values: np.ndarray) -> tuple[float, float]:
         """Greatest height of one of the three, m, and when, s."""
@@ -73,14 +71,17 @@ class Crests:
         return float(np.max(late)) if len(values) == len(self.t) and len(late) else None
 
 
-def doubt_of(t: np.ndarray, slopes: np.ndarray, spread: float) -> str | None:
-    """Why a full flow that goes through is not to be trusted, as the end of a sentence; None where it is.
+def doubt_of(breaks_at: float | None, t: np.ndarray, slopes: np.ndarray, spread: float) -> str | None:
+    """Why a full flow is not to be trusted, as the end of a sentence; None where it is.
 
     Args:
+        breaks_at: when it breaks down with more modes or with fewer, s; None where it goes through with both.
         t: (n,) s.
         slopes: (n,) largest slope of the surface then.
         spread: relative difference of the highest crests with fewer modes and with more.
     """
+    if breaks_at is not None:
+        return f"the flow's numbers break down at {breaks_at:.2f} s"
     steep = slopes > STEEPEST
     if np.any(steep):
         since = float(t[np.argmax(steep)])

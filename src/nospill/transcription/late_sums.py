@@ -51,7 +51,7 @@ def late_sums(scene: Scene, motion: Stages) -> np.ndarray:
     later = h * np.arange(len(q), 0, -1)
     rows = [np.zeros((len(q), len(scene.robot.joints)))]
     for cargo in scene.cargo:
-        if cargo.filling is None:
+        if cargo.filling is None or cargo.filling.lid:
             continue
         limit = scene.motion.residual_fraction * cargo.filling.max_slosh_height
         for mode in cargo.filling.modes.oscillators:

@@ -288,3 +288,12 @@ def test_a_range_with_one_end_has_what_is_left_to_it(value: float):
         row, lower, upper = smooth_rows(budget, ca.SX(0.01))
         assert float(ca.evalf(row)) == pytest.approx((1.0 - value) / 2.0 - 0.01)
         assert lower.tolist() == [0.0] and upper.tolist() == [np.inf]
+
+
+def test_a_band_of_constant_width_is_one_row() -> None:
+    value, width = ca.SX.sym("value"), ca.SX.sym("width")
+    rows, lower, upper = smooth_rows(Cone(value, width, width), ca.SX(0.1))
+    at = ca.Function("rows", [value, width], [rows])
+    assert (lower.tolist(), upper.tolist()) == ([-1.0], [1.0])
+    assert [float(at(part, 2.0)) for part in (-1.8, 1.8, 0.0)] == pytest.approx([-1.0, 1.0, 0.0])
+    assert len(smooth_rows(Cone(value, width, 1.0), ca.SX(0.1))[1]) == 2
