@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from nospill.compiled.small_libraries import small_library
 from nospill.native import libraries
 from nospill.potential_flow import compiled_steps as module
 from nospill.potential_flow.basin import COARSE, FINE, basin_of
-from nospill.potential_flow.compiled_steps import Steps, compiled_steps
+from nospill.potential_flow.compiled_steps import compiled_steps
 from nospill.potential_flow.nonlinear import full_flow
 from nospill.potential_flow.orders import LinearTerms, linear_terms
 from nospill.potential_flow.solving import flow_states, whole_flow
@@ -41,10 +41,17 @@ def _terms(finest: float = FINE, radius: float = 0.035, depth: float = 0.049) ->
     return linear_terms(basin_of(cup(radius, depth), finest))
 
 
-def _steps(terms: LinearTerms) -> Steps:
-    found = compiled_steps(terms)
-    assert found is not None
-    return found
+def _stepped(terms: LinearTerms, states: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """States (m + 1, c, 2, J) of c like cups."""
+    return _stepped_each([terms] * len(states), states, rows, np.full(len(states), STEP))
+
+
+def _stepped_each(
+    terms: Sequence[LinearTerms], states: np.ndarray, rows: np.ndarray, step: np.ndarray
+) -> np.ndarray:
+    steps = compiled_steps(terms)
+    assert steps is not None
+    return steps(states, rows, step)
 
 
 def _case(terms: LinearTerms, cups: int, count: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -57,21 +64,21 @@ def _case(terms: LinearTerms, cups: int, count: int = 1) -> tuple[np.ndarray, np
     return states, rows
 
 
-def _by_law(terms: LinearTerms, state: np.ndarray, rows: np.ndarray) -> np.ndarray:
+def _by_law(terms: LinearTerms, state: np.ndarray, rows: np.ndarray, step: float = STEP) -> np.ndarray:
     """One step of one cup: the classical Runge-Kutta method on `full_flow`."""
     k1 = full_flow(terms, state, rows[:, 0])
-    k2 = full_flow(terms, state + STEP / 2 * k1, rows[:, 1])
-    k3 = full_flow(terms, state + STEP / 2 * k2, rows[:, 1])
-    k4 = full_flow(terms, state + STEP * k3, rows[:, 2])
-    return state + STEP / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    k2 = full_flow(terms, state + step / 2 * k1, rows[:, 1])
+    k3 = full_flow(terms, state + step / 2 * k2, rows[:, 1])
+    k4 = full_flow(terms, state + step * k3, rows[:, 2])
+    return state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
 @pytest.mark.parametrize("cups", [1, 3, 4, 5, 9])
 def test_a_step_is_the_one_by_law(cups: int) -> None:
     terms = _terms()
     states, rows = _case(terms, cups)
-    found = _steps(terms)(states, rows, STEP)
-    np.testing.assert_array_equal(found[0], states)
+    found = _stepped(terms, states, rows)
+    np.testing.assert_allclose(found[0], states, rtol=1e-15)
     for index in range(cups):
         expected = _by_law(terms, states[index], rows[..., index])
         change = np.max(np.abs(expected - states[index]), axis=-1, keepdims=True)
@@ -91,9 +98,21 @@ def test_cups_of_other_sizes_and_modes(finest: float, radius: float, depth: floa
     own = _terms(finest, radius, depth)
     (state,), rows = _case(own, 1)
     expected = _by_law(own, state, rows[..., 0])
-    found = _steps(own)(state[None], rows, STEP)[1, 0]
+    found = _stepped(own, state[None], rows)[1, 0]
     change = np.max(np.abs(expected - state), axis=-1, keepdims=True)
     assert np.all(np.abs(found - expected) <= 1e-12 * change)
+
+
+def test_cups_of_other_sizes_and_steps_go_side_by_side() -> None:
+    sizes = [(0.035, 0.049), (0.02, 0.3), (0.1, 0.02), (0.04, 0.01), (0.03, 0.06)]
+    terms, step = [_terms(FINE, *size) for size in sizes], STEP * np.array([1.0, 0.5, 2.0, 0.7, 1.2])
+    cases = [_case(one, 1) for one in terms]
+    rows = np.concatenate([own for _, own in cases], axis=-1)
+    found = _stepped_each(terms, np.concatenate([state for state, _ in cases]), rows, step)[1]
+    for index, ((state,), own) in enumerate(cases):
+        expected = _by_law(terms[index], state, own[..., 0], float(step[index]))
+        change = np.max(np.abs(expected - state), axis=-1, keepdims=True)
+        assert np.all(np.abs(found[index] - expected) <= 1e-11 * change)
 
 
 def test_a_processor_without_fused_products_finds_the_same(
@@ -101,22 +120,22 @@ def test_a_processor_without_fused_products_finds_the_same(
 ) -> None:
     terms = _terms(COARSE)
     states, rows = _case(terms, 2, 3)
-    expected = _steps(terms)(states, rows, STEP)
+    expected = _stepped(terms, states, rows)
     plain = "#define WITHOUT_FMA\n" + libraries.source("flow")
     monkeypatch.setattr(libraries, "source", lambda _: plain)
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "cache"))
     other = small_library("flow", wait=True)
     assert other is not None and other != library
-    found = _steps(terms)(states, rows, STEP)
+    found = _stepped(terms, states, rows)
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12 * np.max(np.abs(expected)))
 
 
 def test_a_cup_that_breaks_down_leaves_the_others_to_the_last_bit() -> None:
     terms = _terms(COARSE)
     states, rows = _case(terms, 3, 20)
-    alone = _steps(terms)(states[:1], rows[..., :1], STEP)
+    alone = _stepped(terms, states[:1], rows[..., :1])
     states[1] *= 30.0
-    together = _steps(terms)(states, rows, STEP)
+    together = _stepped(terms, states, rows)
     np.testing.assert_array_equal(together[:, 0], alone[:, 0])
     assert not np.any(np.isfinite(together[-1, 1]))
 
@@ -132,10 +151,10 @@ def _pushed(count: int) -> np.ndarray:
 def test_flows_end_where_they_end_by_law(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     terms, rows = _terms(COARSE), _pushed(400)[:, : 2 * count + 1]
     start = np.zeros((2, len(terms.stiffness)))
-    states, (ends, reached) = whole_flow(terms, start, rows, STEP), flow_states(terms, rows[..., None], STEP)
+    states, (ends, reached) = whole_flow(terms, start, rows, STEP), flow_states([terms], rows[..., None], np.array([STEP]))
     monkeypatch.setenv("NOSPILL_COMPILE", "off")
-    assert compiled_steps(terms) is None
-    expected, (others, steps) = whole_flow(terms, start, rows, STEP), flow_states(terms, rows[..., None], STEP)
+    assert compiled_steps([terms]) is None
+    expected, (others, steps) = whole_flow(terms, start, rows, STEP), flow_states([terms], rows[..., None], np.array([STEP]))
     assert len(states) == len(expected) == steps[0] + 1 == reached[0] + 1
     assert (len(states) == count + 1) == (count == 90)
     np.testing.assert_allclose(states[:80], expected[:80], atol=1e-10 * np.max(np.abs(expected[:80])))
@@ -145,8 +164,8 @@ def test_flows_end_where_they_end_by_law(count: int, monkeypatch: pytest.MonkeyP
 def test_boxes_and_libraries_that_do_not_load_are_left_to_python(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    assert compiled_steps(linear_terms(basin_of(tub()))) is None
+    assert compiled_steps([linear_terms(basin_of(tub()))]) is None
     broken = tmp_path / "flow.so"
     broken.write_bytes(b"not a library")
     monkeypatch.setattr(module, "small_library", lambda *_, **__: broken)
-    assert compiled_steps(_terms(COARSE)) is None
+    assert compiled_steps([_terms(COARSE)]) is None

@@ -1,6 +1,7 @@
-/* The nonlinear flow of four like cups as potential_flow/nonlinear.py has it, in polar coordinates: every mode is a
-   radial function R times cos or sin(m theta), points lie on rings with spokes in common. A wave has one such mode
-   without nodal diameters (m = 0) and two with them.
+/* The nonlinear flow of four cups as potential_flow/nonlinear.py has it, in polar coordinates: every mode is a radial
+   function R times cos or sin(m theta), points lie on rings with spokes in common. A wave has one such mode without
+   nodal diameters (m = 0) and two with them. Lengths are over one of each cup, in which all discs are the same; depths
+   and dampings are not.
 
    An exponential is taken for every point and wave, not for every mode, and integrals of F_m Q_j are Fourier sums over
    the spokes of each ring, then sums over rings. The bottom's part of a lean has the form of what comes back from the
@@ -9,13 +10,15 @@
 typedef struct {
     int rings, spokes, waves, modes;
     int orders;                                   /* of Fourier sums, from 0 on; a multiple of BLOCK */
-    const double *diameters, *wave_number, *fall; /* by waves: m, k, exp(-k h) */
+    const double *diameters, *wave_number;        /* by waves: m, k */
     const double *place;                          /* by waves: share in the function x, and of its other mode in y */
-    const double *radial, *outward;               /* by waves and rings: R and its slope, 1/m */
-    const double *radius, *weight;                /* by rings: m, and m^2 of a point */
+    const double *radial, *outward;               /* by waves and rings: R and its slope */
+    const double *radius, *weight;                /* by rings: that, and the area of a point */
     const double *cosine, *sine;                  /* by orders and spokes: of order times angle */
-    const double *damping;                        /* by modes: of the pressure per rate, times the norm */
-    double greatest;                              /* height from which on there is no flow, m */
+    const four *fall;                             /* by waves: exp(-k h) */
+    const four *damping;                          /* by modes: of the pressure per rate, times the norm */
+    const four *step;                             /* s */
+    double greatest;                              /* height from which on there is no flow */
 } Basin;
 
 typedef struct {
@@ -62,11 +65,13 @@ INLINE void surface(const Basin *b, const Room *o, const four *state) {
 
 /* Velocities of a wave at the surface, and its values there per amplitude. */
 INLINE void add_wave(const Basin *b, const Room *o, int q, int leans) {
-    const double k = b->wave_number[q], doubles = k * 1.4426950408889634, bottom = b->fall[q] * b->fall[q];
+    const double k = b->wave_number[q], doubles = k * 1.4426950408889634;
+    const four bottom = b->fall[q] * b->fall[q], share = 1.0 / (1.0 + bottom);
     four *value = o->value + q * b->rings * b->spokes;
     for (int g = 0, p = 0; g < b->rings; g++) {
         const double radial = b->radial[q * b->rings + g], outward = b->outward[q * b->rings + g];
-        const double by_radius = radial / b->radius[g], rising = radial * k, scale = radial / (1.0 + bottom);
+        const double by_radius = radial / b->radius[g], rising = radial * k;
+        const four scale = radial * share;
         for (int s = 0; s < b->spokes; s++, p++) {
             four up, down;
             powers_of_two(o->height[p] * doubles, &up, &down); /* exp(k eta), exp(-k eta) */
@@ -94,15 +99,15 @@ INLINE void fields(const Basin *b, const Room *o, const four *potential, const f
         }
     for (int q = 0, j = 0; q < b->waves; q++) {
         const int m = (int)b->diameters[q];
-        const double fall = b->fall[q], share = 1.0 / (1.0 + fall * fall);
-        const double leaning = 2.0 * fall * b->place[q] / b->wave_number[q];
+        const four fall = b->fall[q], share = 1.0 / (1.0 + fall * fall);
+        const four leaning = fall * (2.0 * b->place[q] / b->wave_number[q]);
         four own[2] = {share * potential[j], m ? share * potential[j + 1] : (four){0.0}}, back[2];
         for (int a = 0; a < 2; a++) back[a] = fall * fall * own[a] + leaning * lean[a];
         j += m ? 2 : 1;
         around(b, m, leaning * lean_rate[0], leaning * lean_rate[1], o->leaned, o->turned);
         around(b, m, own[0], own[1], o->along, o->turned);
         around(b, m, back[0], back[1], o->back, o->back_turned);
-        if (leaning != 0.0)
+        if (b->place[q] != 0.0)
             add_wave(b, o, q, 1);
         else
             add_wave(b, o, q, 0);

@@ -1,8 +1,9 @@
 /* Runge-Kutta steps of the flow of polar_flow.c, and what is called from outside. */
 
-INLINE void runge_kutta(const Basin *b, const Room *o, const four *rows, four *states, int steps, double step) {
+INLINE void runge_kutta(const Basin *b, const Room *o, const four *rows, four *states, int steps) {
     static const double reach[3] = {0.5, 0.5, 1.0}, share[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
     const int n = 2 * b->modes;
+    const four step = *b->step;
     four *rate = o->stages, *there = o->stages + n;
     for (int k = 0; k < steps; k++, rows += 2 * ROW, states += n) {
         four *next = states + n;
@@ -15,13 +16,12 @@ INLINE void runge_kutta(const Basin *b, const Room *o, const four *rows, four *s
     }
 }
 
-WITH_FMA static void steps_with_fma(const Basin *b, const Room *o, const four *rows, four *states, int steps,
-                                    double step) {
-    runge_kutta(b, o, rows, states, steps, step);
+WITH_FMA static void steps_with_fma(const Basin *b, const Room *o, const four *rows, four *states, int steps) {
+    runge_kutta(b, o, rows, states, steps);
 }
 
-static void steps_without_fma(const Basin *b, const Room *o, const four *rows, four *states, int steps, double step) {
-    runge_kutta(b, o, rows, states, steps, step);
+static void steps_without_fma(const Basin *b, const Room *o, const four *rows, four *states, int steps) {
+    runge_kutta(b, o, rows, states, steps);
 }
 
 /* The next `count` numbers of what is left, in whole vectors. */
@@ -39,18 +39,20 @@ static const double *table(const double **left, int count) {
 
 /* States (steps + 1, 2 modes, 4) of four cups, of which the first is given.
 
-   counts: rings, spokes, waves, modes, orders. tables: those of Basin, one after the other. rows (2 steps + 1, 9, 4) at
-   the ends and middles of the steps; all of them aligned to 32 bytes but the tables. 0, or 1 where memory is short. */
-int flow_steps(const int *counts, const double *tables, const double *rows, double *states, int steps, double step) {
+   counts: rings, spokes, waves, modes, orders. tables: those of Basin, one after the other, greatest last but
+   for those of each cup, own (waves + modes + 1, 4). rows (2 steps + 1, 9, 4) at the ends and middles of the steps. All of
+   them are aligned to 32 bytes but the tables. 0, or 1 where memory is short. */
+int flow_steps(const int *counts, const double *tables, const double *own, const double *rows, double *states,
+               int steps) {
     Basin b = {.rings = counts[0], .spokes = counts[1], .waves = counts[2], .modes = counts[3], .orders = counts[4]};
     const int points = b.rings * b.spokes, half = (b.spokes + 1) / 2, sums = half * b.orders;
-    b.diameters = table(&tables, b.waves), b.wave_number = table(&tables, b.waves), b.fall = table(&tables, b.waves);
+    b.diameters = table(&tables, b.waves), b.wave_number = table(&tables, b.waves);
     b.place = table(&tables, b.waves);
     b.radial = table(&tables, b.waves * b.rings), b.outward = table(&tables, b.waves * b.rings);
     b.radius = table(&tables, b.rings), b.weight = table(&tables, b.rings);
     b.cosine = table(&tables, b.orders * b.spokes), b.sine = table(&tables, b.orders * b.spokes);
-    b.damping = table(&tables, b.modes);
     b.greatest = *tables;
+    b.fall = (const four *)own, b.damping = b.fall + b.waves, b.step = b.damping + b.modes;
 
     const int vectors = (7 + b.waves) * points + 5 * b.spokes + 2 * b.rings * (half + b.orders) +
                         b.modes * (b.modes + 5) + sums;
@@ -72,9 +74,9 @@ int flow_steps(const int *counts, const double *tables, const double *rows, doub
             o.half_sine[s * b.orders + l] = b.sine[l * b.spokes + s];
         }
     if (HAS_FMA)
-        steps_with_fma(&b, &o, (const four *)rows, (four *)states, steps, step);
+        steps_with_fma(&b, &o, (const four *)rows, (four *)states, steps);
     else
-        steps_without_fma(&b, &o, (const four *)rows, (four *)states, steps, step);
+        steps_without_fma(&b, &o, (const four *)rows, (four *)states, steps);
     free(memory);
     return 0;
 }

@@ -1,13 +1,14 @@
-"""Runge-Kutta steps of the full flow in cups as machine code, four cups at a time.
+"""Runge-Kutta steps of the full flow in cups as machine code, four cups at a time, each with steps of its own.
 
 `native/polar_flow.c` computes what `nonlinear.full_flow` does, for modes of a disc; that is the law, and serves where
-there is no compiler, or not yet.
+there is no compiler, or not yet. It takes lengths over one of each cup, 1/k of its slowest mode: in these all discs are
+one, and cups of any size and depth go side by side.
 """
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -26,44 +27,48 @@ _ALIGNED = 32
 _GREATEST = 600.0
 """k eta from which on there is no flow: the exponentials of polar_flow.c go to 700."""
 
-Steps = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
-"""First states (c, 2, J), rows (9, 2 m + 1, c) at the ends and middles of m steps, s each -> states (m + 1, c, 2, J);
+Steps = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+"""First states (c, 2, J), rows (9, 2 m + 1, c) at the ends and middles of m steps of (c,) s -> states (m + 1, c, 2, J);
 from where a flow has broken down on they are those of none."""
 
 
-def compiled_steps(terms: LinearTerms) -> Steps | None:
-    """Steps of these terms as machine code; None for a rectangle, and where the library cannot be had, or not yet."""
-    polar = terms.basin.modes.polar
+def compiled_steps(terms: Sequence[LinearTerms]) -> Steps | None:
+    """Steps of cups of these terms, with the same waves, as machine code.
+
+    None for a rectangle, and where the library cannot be had, or not yet.
+    """
+    polar = terms[0].basin.modes.polar
     code = flow_library() if polar is not None else None
     if polar is None or code is None:
         return None
-    tables, counts = _tables(terms, polar), _counts(polar, len(terms.stiffness))
+    tables, counts = _tables(terms[0], polar), _counts(polar, len(terms[0].stiffness))
+    own, length = np.stack([_of_cup(one) for one in terms], axis=-1), np.array([_length(one) for one in terms])
 
-    def steps(start: np.ndarray, rows: np.ndarray, step: float) -> np.ndarray:
+    def steps(start: np.ndarray, rows: np.ndarray, step: np.ndarray) -> np.ndarray:
         states = np.empty((rows.shape[1] // 2 + 1, *start.shape))
+        over = np.stack([length, length**2], axis=1)[..., None]
+        along = np.concatenate([rows[:6], rows[6:] / length])
+        each = np.concatenate([own, step[None]])
         for first in range(0, len(start), CUPS):
-            own = slice(first, first + CUPS)
-            states[:, own] = _four(code, counts, tables, start[own], rows[..., own], step)
-        return states
+            part = slice(first, first + CUPS)
+            states[:, part] = _four(code, counts, tables, each[:, part], start[part] / over[part], along[..., part])
+        return np.multiply(states, over, out=states)
 
     return steps
 
 
 def _four(
-    code: ctypes.CDLL, counts: np.ndarray, tables: np.ndarray, start: np.ndarray, rows: np.ndarray, step: float
+    code: ctypes.CDLL, counts: np.ndarray, tables: np.ndarray, own: np.ndarray, start: np.ndarray, rows: np.ndarray
 ) -> np.ndarray:
     """States (m + 1, c, 2, J) of up to four cups; places of vectors without a cup have the first one's."""
     count, cups, modes = rows.shape[1] // 2, len(start), start.shape[2]
-    along, states = _aligned(2 * count + 1, 9), _aligned(count + 1, 2, modes)
-    along[:] = rows[..., :1].swapaxes(0, 1)
+    along, states, of_cups = _aligned(2 * count + 1, 9), _aligned(count + 1, 2, modes), _aligned(len(own))
+    along[:], of_cups[:] = rows[..., :1].swapaxes(0, 1), own[:, :1]
     states[0] = start[0, ..., None]
-    along[..., :cups] = rows.swapaxes(0, 1)
+    along[..., :cups], of_cups[:, :cups] = rows.swapaxes(0, 1), own
     states[0, ..., :cups] = np.moveaxis(start, 0, -1)
-    short = code.flow_steps(
-        *(ctypes.c_void_p(numbers.ctypes.data) for numbers in (counts, tables, along, states)),
-        *(ctypes.c_int(count), ctypes.c_double(step)),
-    )
-    if short:
+    numbers = (counts, tables, of_cups, along, states)
+    if code.flow_steps(*(ctypes.c_void_p(one.ctypes.data) for one in numbers), ctypes.c_int(count)):
         raise MemoryError
     return np.moveaxis(states[..., :cups], -1, 1)
 
@@ -102,14 +107,32 @@ def _counts(polar: Polar, modes: int) -> np.ndarray:
     return np.array(sizes, dtype=np.intc)
 
 
-def _tables(terms: LinearTerms, polar: Polar) -> np.ndarray:
-    """All of them, one after the other, likewise."""
-    basin, modes = terms.basin, terms.basin.modes
+def _length(terms: LinearTerms) -> float:
+    """Over which lengths of a cup are taken, m."""
+    return 1.0 / float(np.min(terms.basin.modes.wave_number))
+
+
+def _wave_numbers(terms: LinearTerms, polar: Polar) -> tuple[np.ndarray, np.ndarray]:
+    """Of every wave its first mode, and k, 1/m."""
     first = np.concatenate([[0], np.cumsum(1 + (polar.diameters > 0))[:-1]])
-    k = modes.wave_number[first]
-    place = np.zeros(len(modes.wave_number))
-    place[terms.tilting.index] = terms.tilting.share[:, 0]
+    return first, terms.basin.modes.wave_number[first]
+
+
+def _tables(terms: LinearTerms, polar: Polar) -> np.ndarray:
+    """What all discs share, one after the other, as flow_steps takes it."""
+    modes, length = terms.basin.modes, _length(terms)
+    first, k = _wave_numbers(terms, polar)
+    place = np.where(polar.diameters == 1, terms.place[first, 0], 0.0)
     phase = np.multiply.outer(np.arange(_orders(polar)), polar.angle)
-    parts = [polar.diameters, k, np.exp(-k * basin.depth), place[first], polar.radial, polar.outward, polar.radius]
-    parts += [modes.weight[:: len(polar.angle)], np.cos(phase), np.sin(phase), modes.norm * terms.friction]
-    return np.concatenate([*(np.ravel(part) for part in parts), [_GREATEST / np.max(k)]])
+    parts = [polar.diameters, k * length, place / length, polar.radial, polar.outward * length]
+    parts += [polar.radius / length, modes.weight[:: len(polar.angle)] / length**2, np.cos(phase), np.sin(phase)]
+    return np.concatenate([*(np.ravel(part) for part in parts), [_GREATEST / np.max(k * length)]])
+
+
+def _of_cup(terms: LinearTerms) -> np.ndarray:
+    """What is a cup's own, likewise, but for its step."""
+    polar, length = terms.basin.modes.polar, _length(terms)
+    assert polar is not None  # one disc is among discs
+    k = _wave_numbers(terms, polar)[1]
+    damping = terms.basin.modes.norm * terms.friction / length**3
+    return np.concatenate([np.exp(-k * terms.basin.depth), damping])

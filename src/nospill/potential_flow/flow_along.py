@@ -14,6 +14,7 @@ from nospill.potential_flow.integration import rows_at
 from nospill.potential_flow.orders import LinearTerms, linear_terms
 from nospill.potential_flow.solving import flow_states
 from nospill.scene.cargo import Cargo
+from nospill.scene.containers.cylinder import Cylinder
 
 _STEP_ANGLE = 0.4
 """Largest step, rad of the fastest mode: what is left is within 1 % of that with a third of it. With 0.5 and more some
@@ -55,25 +56,38 @@ def flows_along(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray, fines
     """The flow of each liquid.
 
     Args:
-        objects: with the liquids, at rest at the first instant; like ones are followed together.
+        objects: with the liquids, at rest at the first instant; cups are followed together, and like boxes.
         t: (m,) s.
         body: (9, m) angular velocity, angular acceleration and specific force of the tray, its axes.
         finest: largest wave number over that of the slowest mode.
     """
-    alike: dict[LiquidKey, list[int]] = {}
+    together: dict[LiquidKey | None, list[int]] = {}
     for index, cargo in enumerate(objects):
-        alike.setdefault(LiquidKey(cargo), []).append(index)
+        together.setdefault(None if isinstance(cargo.container, Cylinder) else LiquidKey(cargo), []).append(index)
     found: dict[int, FlowAlong] = {}
-    for key, places in alike.items():
-        terms = _terms_like(key, finest)
-        count = int(np.ceil((t[-1] - t[0]) * float(np.max(terms.basin.frequency)) / _STEP_ANGLE))
-        instants = np.linspace(t[0], t[-1], 2 * count + 1)
-        rows = np.stack([np.interp(instants, t, row) for row in body])
-        surface = np.array([0.0, 0.0, terms.basin.depth])
-        own = [rows_at(rows_at(rows, objects[place].place, objects[place].yaw), surface) for place in places]
-        step = float(instants[2] - instants[0])
-        states, reached = flow_states(terms, np.stack(own, axis=-1), step)
-        for index, (place, steps) in enumerate(zip(places, reached.tolist(), strict=True)):
-            breaks_at = None if steps == count else float(instants[2 * steps])
-            found[place] = FlowAlong(states[: steps + 1, index], step, breaks_at)
+    for places in together.values():
+        own = [objects[place] for place in places]
+        terms = [flow_terms(cargo, finest) for cargo in own]
+        spans = [float(t[-1] - t[0]) * float(np.max(one.basin.frequency)) / _STEP_ANGLE for one in terms]
+        counts = [int(np.ceil(span)) for span in spans]
+        step = np.array([2.0 * _instants(t, count)[1] for count in counts])
+        along = [_rows(*one, t, body, max(counts)) for one in zip(own, terms, counts, strict=True)]
+        states, reached = flow_states(terms, np.stack(along, axis=-1), step)
+        for index, place in enumerate(places):
+            steps = min(int(reached[index]), counts[index])
+            breaks_at = None if steps == counts[index] else float(t[0] + steps * step[index])
+            found[place] = FlowAlong(states[: steps + 1, index], float(step[index]), breaks_at)
     return [found[index] for index in range(len(objects))]
+
+
+def _instants(t: np.ndarray, count: int) -> np.ndarray:
+    """Ends and middles of even steps (2 count + 1,), s from the first instant on."""
+    return np.linspace(0.0, t[-1] - t[0], 2 * count + 1)
+
+
+def _rows(cargo: Cargo, terms: LinearTerms, count: int, t: np.ndarray, body: np.ndarray, most: int) -> np.ndarray:
+    """Rows (9, 2 most + 1) of a liquid in `count` steps; after the last one it goes on for nothing as it is then."""
+    rows = np.stack([np.interp(_instants(t, count), t - t[0], row) for row in body])
+    surface = np.array([0.0, 0.0, terms.basin.depth])
+    own = rows_at(rows_at(rows, cargo.place, cargo.yaw), surface)
+    return np.pad(own, ((0, 0), (0, 2 * (most - count))), mode="edge")

@@ -5,7 +5,8 @@ Rows are (9, 2 m + 1) at the ends and middles of m steps, about the middle of th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -63,26 +64,26 @@ def _with_middles(terms: LinearTerms, states: np.ndarray, rows: np.ndarray, step
 def whole_flow(terms: LinearTerms, start: np.ndarray, rows: np.ndarray, step: float) -> np.ndarray:
     """States (n, 2, J) of the full flow, n <= m + 1: as far as it goes."""
     parts = [start[None, None]]
-    for states, holds in _followed(terms, parts[0][0], rows[..., None], step):
+    for states, holds in _followed([terms], parts[0][0], rows[..., None], np.array([step])):
         parts.append(states[1:] if np.all(holds) else states[1 : np.argmin(holds[:, 0])])
         if not np.all(holds):
             break
     return np.concatenate(parts)[:, 0]
 
 
-def flow_states(terms: LinearTerms, rows: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """States (m + 1, c, 2, J) of the full flow along a motion that c like containers begin at rest.
+def flow_states(terms: Sequence[LinearTerms], rows: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """States (m + 1, c, 2, J) of the full flow along a motion that c containers begin at rest.
 
     Args:
-        terms: of the basin of each.
+        terms: (c,) of the basin of each: cups with the same waves, of any size and depth, or like boxes.
         rows: (9, 2 m + 1, c).
-        step: s.
+        step: (c,) s.
 
     Returns:
         Them, NaN from where the flow of a container has broken down on, and the steps (c,) that each goes through.
     """
     count, places = rows.shape[1] // 2, rows.shape[2]
-    found = np.full((count + 1, places, 2, len(terms.stiffness)), np.nan)
+    found = np.full((count + 1, places, 2, len(terms[0].stiffness)), np.nan)
     found[0] = 0.0
     reached, gone = np.full(places, count), 0
     for states, holds in _followed(terms, found[0], rows, step):
@@ -96,14 +97,15 @@ def flow_states(terms: LinearTerms, rows: np.ndarray, step: float) -> tuple[np.n
 
 
 def _followed(
-    terms: LinearTerms, state: np.ndarray, rows: np.ndarray, step: float
+    terms: Sequence[LinearTerms], state: np.ndarray, rows: np.ndarray, step: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """States (n + 1, c, 2, J) of the full flow, some steps at a time, and whether each is one of a flow (n + 1, c).
 
     A container whose flow has broken down goes on as NaN, until all have.
     """
-    shape, highest = terms.basin.modes.shape, greatest_height(terms.basin)
-    steps = compiled_steps(terms) or _interpreted_steps(terms, len(state))
+    shape = terms[0].basin.modes.shape  # of discs of any size
+    highest = np.array([greatest_height(one.basin) for one in terms])
+    steps = compiled_steps(terms) or _interpreted_steps(terms)
     for first in range(0, rows.shape[1] - 1, 2 * _CHECKED):
         states = steps(state, rows[:, first : first + 2 * _CHECKED + 1], step)
         with np.errstate(invalid="ignore"):
@@ -115,14 +117,19 @@ def _followed(
         state = np.where(lost[:, None, None], np.nan, states[-1])
 
 
-def _interpreted_steps(terms: LinearTerms, count: int) -> Steps:
-    """Steps of `count` containers as `compiled_steps` has them, of any shape."""
-    room = room_of(terms.basin, count)
+def _interpreted_steps(terms: Sequence[LinearTerms]) -> Steps:
+    """Steps of containers as `compiled_steps` has them, of any shape; like ones together."""
+    alike: dict[int, list[int]] = {}
+    for index, one in enumerate(terms):
+        alike.setdefault(id(one), []).append(index)
+    rooms = {places[0]: room_of(terms[places[0]].basin, len(places)) for places in alike.values()}
 
-    def steps(start: np.ndarray, rows: np.ndarray, step: float) -> np.ndarray:
-        return runge_kutta(
-            lambda state, row: full_flow(terms, state, row, room), start, rows, step, holds=lambda _: True
-        )
+    def steps(start: np.ndarray, rows: np.ndarray, step: np.ndarray) -> np.ndarray:
+        states = np.empty((rows.shape[1] // 2 + 1, *start.shape))
+        for first, *others in alike.values():
+            places, rate = [first, *others], partial(full_flow, terms[first], room=rooms[first])
+            states[:, places] = runge_kutta(rate, start[places], rows[..., places], step[first], holds=lambda _: True)
+        return states
 
     return steps
 
