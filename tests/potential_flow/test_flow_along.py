@@ -34,13 +34,22 @@ def _alone(cargo: Cargo, body: np.ndarray, count: int = 240) -> np.ndarray:
 
 def test_each_is_as_if_followed_alone() -> None:
     near, far = cup(), replace(cup(), position=(0.1, 0.05), yaw=0.5)
-    objects, body = [near, tub(), far], _moved(0.5)
+    objects, body = [near, tub(), far, cup(0.05, 0.03), cup(0.025, 0.08)], _moved(0.5)
     found = flows_along(objects, _T, body)
     for cargo, flow in zip(objects, found, strict=True):
         expected = _alone(cargo, body)
         np.testing.assert_allclose(flow.end[0], expected[0], atol=0.02 * np.max(np.abs(expected[0])))
         assert flow.breaks_at is None
     assert np.max(np.abs(found[0].end - found[2].end)) > 1e-4
+
+
+def test_which_others_there_are_changes_nothing() -> None:
+    """Each cup has steps of its own, however small those of a faster one are."""
+    objects, body = [cup(0.05, 0.03), cup(0.025, 0.08), cup()], _moved(0.5)
+    for cargo, flow in zip(objects, flows_along(objects, _T, body), strict=True):
+        (alone,) = flows_along([cargo], _T, body)
+        assert flow.step == alone.step and flow.states.shape == alone.states.shape
+        np.testing.assert_allclose(flow.states, alone.states, atol=1e-11 * np.max(np.abs(alone.states)))
 
 
 def test_one_that_breaks_down_leaves_the_others() -> None:
