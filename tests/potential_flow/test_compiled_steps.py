@@ -42,9 +42,7 @@ def _stepped(terms: LinearTerms, states: np.ndarray, rows: np.ndarray) -> np.nda
     return _stepped_each([terms] * len(states), states, rows, np.full(len(states), STEP))
 
 
-def _stepped_each(
-    terms: Sequence[LinearTerms], states: np.ndarray, rows: np.ndarray, step: np.ndarray
-) -> np.ndarray:
+def _stepped_each(terms: Sequence[LinearTerms], states: np.ndarray, rows: np.ndarray, step: np.ndarray) -> np.ndarray:
     steps = compiled_steps(terms)
     assert steps is not None
     return steps(states, rows, step)
@@ -147,10 +145,16 @@ def _pushed(count: int) -> np.ndarray:
 def test_flows_end_where_they_end_by_law(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     terms, rows = _terms(COARSE), _pushed(400)[:, : 2 * count + 1]
     start = np.zeros((2, len(terms.stiffness)))
-    states, (ends, reached) = whole_flow(terms, start, rows, STEP), flow_states([terms], rows[..., None], np.array([STEP]))
+    states, (ends, reached) = (
+        whole_flow(terms, start, rows, STEP),
+        flow_states([terms], rows[..., None], np.array([STEP])),
+    )
     monkeypatch.setenv("NOSPILL_COMPILE", "off")
     assert compiled_steps([terms]) is None
-    expected, (others, steps) = whole_flow(terms, start, rows, STEP), flow_states([terms], rows[..., None], np.array([STEP]))
+    expected, (others, steps) = (
+        whole_flow(terms, start, rows, STEP),
+        flow_states([terms], rows[..., None], np.array([STEP])),
+    )
     assert len(states) == len(expected) == steps[0] + 1 == reached[0] + 1
     assert (len(states) == count + 1) == (count == 90)
     np.testing.assert_allclose(states[:80], expected[:80], atol=1e-10 * np.max(np.abs(expected[:80])))
