@@ -32,7 +32,7 @@ def test_the_more_is_missing_the_heavier_within_what_a_round_may_change(cause: C
     assert Smoothness(9e3).heavier(cause, 9.0).factor <= 1e4
 
 
-@pytest.mark.parametrize(("cause", "use", "ratio"), [(SECOND_ORDER, 3.0, 9.0), (FLOW, 1.5, 3.375), (FLOW, 1.01, 1.25)])
+@pytest.mark.parametrize(("cause", "use", "ratio"), [(SECOND_ORDER, 3.0, 9.0), (FLOW, 1.5, 2.25), (FLOW, 1.01, 1.25)])
 def test_weights_rise_as_a_power_of_the_use(cause: Cause, use: float, ratio: float) -> None:
     assert Smoothness(2.0).heavier(cause, use).factor == pytest.approx(2.0 * ratio)
 

@@ -53,7 +53,7 @@ OTHER_MODES = Cause(power=2.0, least=2.0, most=_HEAVIEST)
 SECOND_ORDER = Cause(power=2.0, least=1.4, most=300.0, fall=0.5, most_fall=2.5)
 """What the second order adds after the end, over what the limit leaves it. Four cups on a tilting tray, 10 mm: 4.7, 3,
 1.7, 1.3, 0.1 mm with 1, 10, 100, 300, 1000 times the weights."""
-FLOW = Cause(power=3.0, least=1.25, most=5.0)
+FLOW = Cause(power=2.0, least=1.25, most=5.0)
 """What the nonlinear flow leaves beside the waves that are states of the problem."""
 LATE_AT_ONCE = Cause(power=4.0, least=30.0, most=60.0, heaviest=60.0, acts_from=1.5, aim=0.985, by_secants=True)
 """What late joints leave after the end, before any margins: those of a rough motion are too much."""
