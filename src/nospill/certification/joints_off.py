@@ -248,9 +248,9 @@ class _Played:
         shift = float(np.mean(arms[0].controller.delay))
         uses: dict[RowId, list[np.ndarray]] = {}
         ending, settled, t = [], [], np.empty(0)
+        done = done_by(few.motion, start, stop, after + 0.05)
         for first in range(0, len(arms), _AT_ONCE):
-            motions = [done_by(few.motion, arm, start, stop, after + 0.05) for arm in arms[first : first + _AT_ONCE]]
-            replays = few.played(motions, after=after)
+            replays = few.played([done(arm) for arm in arms[first : first + _AT_ONCE]], after=after)
             t = replays[0].t - shift
             at = int(np.argmin(np.abs(t - stop)))
             for own in few.during(replays):

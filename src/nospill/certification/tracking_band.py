@@ -72,8 +72,12 @@ def band_of(
     planned = {trace.id: _with_variants(trace, corner_use, corner_times) for trace in traces if trace.id in added}
     bounds = {row: trace.use + _at(added[row], t, trace.t) for row, trace in planned.items()}
     replayed: list[Row] = []
+    after = rest_after(tracking)
+    done = done_by(followed.motion, *followed.span, after + 0.05)
     for arm in _worst_arms(bounds, planned, found):
-        rows = list(_of_arm(followed, tracking, arm))
+        (played,) = followed.played([done(arm)], after=after)
+        text = arm.text(followed.record.joints)
+        rows = [worst_row(replace(trace, variant=text)) for trace in followed.traces(played)]
         replayed += rows
         for row in rows:
             if row.id in bounds and row.use > np.max(bounds[row.id]):
@@ -150,15 +154,6 @@ def _worst_arms(bounds: Uses, planned: Mapping[RowId, Trace], found: _Found) -> 
         yield arm
         if len(seen) == _REPLAYED:
             return
-
-
-def _of_arm(followed: Followed, tracking: Tracking, arm: Arm) -> Iterator[Row]:
-    """Rows of one arm of the band."""
-    after, span = rest_after(tracking), followed.span
-    (played,) = followed.played([done_by(followed.motion, arm, *span, after + 0.05)], after=after)
-    text = arm.text(followed.record.joints)
-    for trace in followed.traces(played):
-        yield worst_row(replace(trace, variant=text))
 
 
 def _exceeded(trace: Trace, use: np.ndarray, variant: str) -> Trace:
