@@ -12,7 +12,7 @@ Nothing is proven beyond the first order, and of combinations and frequencies th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +27,8 @@ from nospill.scene.tracking import Arm, Tracking
 
 _REPLAYED = 3
 """Combinations of joints that are replayed."""
+_FIRST_LOOK, _BROKEN = 500.0, 1.003
+"""Hz, of a first look, and use of a limit from which that is broken: the two rates differ by less."""
 _CLEAR = 1e-9
 """Of a limit: a row that is added less than this is as planned."""
 _Found = Sequence[tuple[Respect, Added]]
@@ -51,6 +53,10 @@ class Band:
     largest: float
 
 
+OverBand = Callable[[Followed, Tracking, tuple[Trace, ...], Uses, np.ndarray], Band]
+"""The arguments of `band_of` -> the rows over a band."""
+
+
 def band_of(
     followed: Followed, tracking: Tracking, traces: tuple[Trace, ...], corner_use: Uses, corner_times: np.ndarray
 ) -> Band:
@@ -67,10 +73,7 @@ def band_of(
         ModelError: the liquids cannot be integrated.
     """
     found = [(respect, respect.added(followed)) for respect in respects(tracking)]
-    t = followed.record.t
-    added = _together([own for _, own in found], t)
-    planned = {trace.id: _with_variants(trace, corner_use, corner_times) for trace in traces if trace.id in added}
-    bounds = {row: trace.use + _at(added[row], t, trace.t) for row, trace in planned.items()}
+    t, added, planned, bounds = _first_order(followed, found, traces, corner_use, corner_times)
     replayed: list[Row] = []
     after = rest_after(tracking)
     done = done_by(followed.motion, *followed.span, after + 0.05)
@@ -87,6 +90,41 @@ def band_of(
                     factor = (row.use - float(planned[row.id].use[at])) / more
                     added[row.id] = factor * added[row.id]
                     bounds[row.id] = planned[row.id].use + _at(added[row.id], t, planned[row.id].t)
+    return _band(tracking, t, added, planned, bounds, replayed)
+
+
+def broken_or_band_of(
+    followed: Followed, tracking: Tracking, traces: tuple[Trace, ...], corner_use: Uses, corner_times: np.ndarray
+) -> Band:
+    """`band_of` for a motion under planning: where a first look breaks a row, what that found, else all of it.
+
+    The first look is to the first order alone, of late joints by replays at half of the rate.
+    """
+    found = [(respect, respect.added(followed)) for respect in respects(tracking, late_at=_FIRST_LOOK)]
+    t, added, planned, bounds = _first_order(followed, found, traces, corner_use, corner_times)
+    if max((float(np.max(bound)) for bound in bounds.values()), default=0.0) > _BROKEN:
+        return _band(tracking, t, added, planned, bounds, [])
+    return band_of(followed, tracking, traces, corner_use, corner_times)
+
+
+def _first_order(
+    followed: Followed, found: _Found, traces: tuple[Trace, ...], corner_use: Uses, corner_times: np.ndarray
+) -> tuple[np.ndarray, dict[RowId, np.ndarray], dict[RowId, Trace], dict[RowId, np.ndarray]]:
+    """Times (m,), s, of what is added to every row; that; the rows as planned; and their uses over the band."""
+    t = followed.record.t
+    added = _together([own for _, own in found], t)
+    planned = {trace.id: _with_variants(trace, corner_use, corner_times) for trace in traces if trace.id in added}
+    return t, added, planned, {row: trace.use + _at(added[row], t, trace.t) for row, trace in planned.items()}
+
+
+def _band(
+    tracking: Tracking,
+    t: np.ndarray,
+    added: Uses,
+    planned: Mapping[RowId, Trace],
+    bounds: Uses,
+    replayed: Sequence[Row],
+) -> Band:
     of_bounds = [
         worst_row(_exceeded(planned[row], bound, tracking.text))
         for row, bound in bounds.items()

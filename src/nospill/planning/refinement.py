@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from nospill import diagnosis
 from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.tracking_band import broken_or_band_of
 from nospill.certification.tracks import judged_tracks, variant_tracks
 from nospill.errors import ModelError, NoSolutionError
 from nospill.laws.constraints import DEVIATION_JERK_NAMES, LIQUID_NAMES
@@ -133,7 +134,16 @@ def certify_by_refinement(candidate: Candidate, log: Log, *, worth: float = _WOR
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
     judged = _by_smoothness(_refine_until_certified(candidate, log), log)
-    return _relaxed(_lightened(judged, log), log, worth)
+    return _with_whole_verdict(_relaxed(_lightened(judged, log), log, worth), log)
+
+
+def _with_whole_verdict(judged: Judged, log: Log) -> Judged:
+    """The same with all that a judge looks at, where rounds have ended with a row broken at a first look."""
+    scene = judged.candidate.active.task.scene
+    if scene.tracking is None or judged.judgement.certificate.ok:
+        return judged
+    with log.phase("certify"):
+        return replace(judged, judgement=judge_motion(judged.trajectory, scene))
 
 
 def _by_smoothness(judged: Judged, log: Log) -> Judged:
@@ -258,7 +268,7 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
             trajectory = exported(candidate)
         with log.phase("certify"):
             looked_at = candidate.active.task.judged_scene(candidate.active.refined)
-            judgement = judge_motion(trajectory, looked_at)
+            judgement = judge_motion(trajectory, looked_at, over_band=broken_or_band_of)
             if judgement.leaves_margin and looked_at is not scene:
                 judgement = judge_motion(trajectory, scene)
             slosh = judged_tracks(trajectory, scene, judgement.replay, judgement.traces)
