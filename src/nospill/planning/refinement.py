@@ -41,8 +41,9 @@ _ALIKE = 0.8
 """Part of the coarse answer's duration that a fine one near it takes at least."""
 _WORTH_A_SOLVE = 1e-3
 """Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
-_WORTH_WITH_MARGINS = 0.01
-"""The same over a band of arms, where a row that gets some back asks for two more rounds, and where a flow judges."""
+_WORTH_OVER_BAND, _WORTH_LIGHTER = 5e-3, 0.01
+"""The same over a band of arms, where a row that gets some back asks for two more rounds; and where a flow judges, or of
+jerks that weigh less."""
 _HEAVIER = 2.0
 """Times that jerks weigh more from which a motion relaxed, which then leaves too much by the flow, is given up."""
 _LIGHTENED = 3
@@ -169,7 +170,7 @@ def _relaxed(judged: Judged, log: Log, least: float) -> Judged:
         return judged
     relaxed = last.active.relaxed(judged.judgement)
     by_flow = bool(last.active.task.may_be_driven)
-    worth = max(least, _WORTH_WITH_MARGINS if last.active.margins or by_flow else 0.0)
+    worth = max(least, _WORTH_OVER_BAND if last.active.margins else 0.0, _WORTH_LIGHTER if by_flow else 0.0)
     if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
         with suppress(NoSolutionError):
             again = _tighten(last, relaxed, log)
@@ -198,7 +199,7 @@ def _lightened(judged: Judged, log: Log) -> Judged:
         if refined is None or not refined.judgement.certificate.ok or refined.trajectory.end_time >= end:
             return judged
         judged = refined
-        if refined.trajectory.end_time > (1.0 - _WORTH_WITH_MARGINS) * end:
+        if refined.trajectory.end_time > (1.0 - _WORTH_LIGHTER) * end:
             return judged
     return judged
 
