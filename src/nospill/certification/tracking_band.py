@@ -73,11 +73,74 @@ def band_of(
         ModelError: the liquids cannot be integrated.
     """
     found = [(respect, respect.added(followed)) for respect in respects(tracking)]
-    t, added, planned, bounds = _first_order(followed, found, traces, corner_use, corner_times)
+    return _sampled(followed, tracking, _FirstOrder.of(followed, found, traces, corner_use, corner_times))
+
+
+def broken_or_band_of(
+    followed: Followed, tracking: Tracking, traces: tuple[Trace, ...], corner_use: Uses, corner_times: np.ndarray
+) -> Band:
+    """`band_of` for a motion under planning: where a first look breaks a row, what that found, else all of it.
+
+    The first look is to the first order alone, of late joints by replays at half of the rate.
+    """
+    found = [(respect, respect.added(followed)) for respect in respects(tracking, late_at=_FIRST_LOOK)]
+    first = _FirstOrder.of(followed, found, traces, corner_use, corner_times)
+    if max((float(np.max(bound)) for bound in first.bounds.values()), default=0.0) > _BROKEN:
+        return first.band(tracking)
+    late = Late(tracking)
+    found = [(late, late.added(followed)) if isinstance(own[0], Late) else own for own in found]
+    return _sampled(followed, tracking, _FirstOrder.of(followed, found, traces, corner_use, corner_times))
+
+
+@dataclass(frozen=True, slots=True)
+class _FirstOrder:
+    """What all joints together add to the first order.
+
+    Attributes:
+        t: (m,) of what is added, s.
+        found: by respect.
+        added: part of its limit that every row uses more, (m,).
+        planned: the rows as planned.
+        bounds: uses of the rows over the band, on the grids of those.
+    """
+
+    t: np.ndarray
+    found: _Found
+    added: dict[RowId, np.ndarray]
+    planned: dict[RowId, Trace]
+    bounds: dict[RowId, np.ndarray]
+
+    @classmethod
+    def of(
+        cls, followed: Followed, found: _Found, traces: tuple[Trace, ...], corner_use: Uses, corner_times: np.ndarray
+    ) -> _FirstOrder:
+        """Of a motion, arguments as of `band_of`."""
+        t = followed.record.t
+        added = _together([own for _, own in found], t)
+        planned = {trace.id: _with_variants(trace, corner_use, corner_times) for trace in traces if trace.id in added}
+        bounds = {row: trace.use + _at(added[row], t, trace.t) for row, trace in planned.items()}
+        return cls(t, found, added, planned, bounds)
+
+    def band(self, tracking: Tracking, replayed: Sequence[Row] = ()) -> Band:
+        """The rows over the band, with those of some arms that were replayed."""
+        of_bounds = [
+            worst_row(_exceeded(self.planned[row], bound, tracking.text))
+            for row, bound in self.bounds.items()
+            if np.max(bound - self.planned[row].use) > _CLEAR
+        ]
+        use = {row: float(np.max(bound)) for row, bound in self.bounds.items()}
+        for row in replayed:
+            use[row.id] = max(row.use, use.get(row.id, 0.0))
+        return Band((*of_bounds, *replayed), self.t, self.added, use, _largest(self.planned, self.bounds))
+
+
+def _sampled(followed: Followed, tracking: Tracking, first: _FirstOrder) -> Band:
+    """The rows over a band, with the worst arms replayed."""
+    planned, added, bounds = first.planned, dict(first.added), dict(first.bounds)
     replayed: list[Row] = []
     after = rest_after(tracking)
     done = done_by(followed.motion, *followed.span, after + 0.05)
-    for arm in _worst_arms(bounds, planned, found):
+    for arm in _worst_arms(bounds, planned, first.found):
         (played,) = followed.played([done(arm)], after=after)
         text = arm.text(followed.record.joints)
         rows = [worst_row(replace(trace, variant=text)) for trace in followed.traces(played)]
@@ -89,51 +152,8 @@ def band_of(
                 if more > _CLEAR:
                     factor = (row.use - float(planned[row.id].use[at])) / more
                     added[row.id] = factor * added[row.id]
-                    bounds[row.id] = planned[row.id].use + _at(added[row.id], t, planned[row.id].t)
-    return _band(tracking, t, added, planned, bounds, replayed)
-
-
-def broken_or_band_of(
-    followed: Followed, tracking: Tracking, traces: tuple[Trace, ...], corner_use: Uses, corner_times: np.ndarray
-) -> Band:
-    """`band_of` for a motion under planning: where a first look breaks a row, what that found, else all of it.
-
-    The first look is to the first order alone, of late joints by replays at half of the rate.
-    """
-    found = [(respect, respect.added(followed)) for respect in respects(tracking, late_at=_FIRST_LOOK)]
-    t, added, planned, bounds = _first_order(followed, found, traces, corner_use, corner_times)
-    if max((float(np.max(bound)) for bound in bounds.values()), default=0.0) > _BROKEN:
-        return _band(tracking, t, added, planned, bounds, [])
-    return band_of(followed, tracking, traces, corner_use, corner_times)
-
-
-def _first_order(
-    followed: Followed, found: _Found, traces: tuple[Trace, ...], corner_use: Uses, corner_times: np.ndarray
-) -> tuple[np.ndarray, dict[RowId, np.ndarray], dict[RowId, Trace], dict[RowId, np.ndarray]]:
-    """Times (m,), s, of what is added to every row; that; the rows as planned; and their uses over the band."""
-    t = followed.record.t
-    added = _together([own for _, own in found], t)
-    planned = {trace.id: _with_variants(trace, corner_use, corner_times) for trace in traces if trace.id in added}
-    return t, added, planned, {row: trace.use + _at(added[row], t, trace.t) for row, trace in planned.items()}
-
-
-def _band(
-    tracking: Tracking,
-    t: np.ndarray,
-    added: Uses,
-    planned: Mapping[RowId, Trace],
-    bounds: Uses,
-    replayed: Sequence[Row],
-) -> Band:
-    of_bounds = [
-        worst_row(_exceeded(planned[row], bound, tracking.text))
-        for row, bound in bounds.items()
-        if np.max(bound - planned[row].use) > _CLEAR
-    ]
-    use = {row: float(np.max(bound)) for row, bound in bounds.items()}
-    for row in replayed:
-        use[row.id] = max(row.use, use.get(row.id, 0.0))
-    return Band((*of_bounds, *replayed), t, added, use, _largest(planned, bounds))
+                    bounds[row.id] = planned[row.id].use + _at(added[row.id], first.t, planned[row.id].t)
+    return replace(first, added=added, bounds=bounds).band(tracking, replayed)
 
 
 def _largest(planned: Mapping[RowId, Trace], bounds: Uses) -> float:

@@ -42,8 +42,8 @@ _ALIKE = 0.8
 _WORTH_A_SOLVE = 1e-3
 """Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
 _WORTH_OVER_BAND, _WORTH_LIGHTER = 5e-3, 0.01
-"""The same over a band of arms, where a row that gets some back asks for two more rounds; and where a flow judges, or of
-jerks that weigh less."""
+"""The same over a band of arms, where a row that gets some back asks for two more rounds; where a flow judges, or jerks
+weigh less."""
 _HEAVIER = 2.0
 """Times that jerks weigh more from which a motion relaxed, which then leaves too much by the flow, is given up."""
 _LIGHTENED = 3
