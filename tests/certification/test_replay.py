@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields, replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from casadi import SX, Function
 from scipy.integrate import solve_ivp
 from scipy.interpolate import make_interp_spline
 
-from nospill.certification.replay import MINIMUM_RATE, replay, tray_from_joints
+from nospill.certification.replay import MINIMUM_RATE, coarse_replays, replay, tray_from_joints
 from nospill.errors import ModelError
 from nospill.motion.interpolation import QUINTIC_HERMITE
 from nospill.motion.resampling import resampled
@@ -22,6 +23,7 @@ from nospill.robots.kinematics.bodies import chain_bodies
 from nospill.robots.kinematics.chain import chain_expressions
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario
+from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene
 
 GRAVITY = np.array((0.0, 0.0, 9.80665))
@@ -251,3 +253,21 @@ def test_slosh_of_the_published_joints_is_the_laboratorys_own_prediction(measure
         error = np.interp(t, played.t, ours) - height
         assert np.sqrt(np.mean(error**2)) < 0.05, cargo.name
         assert height.max() > 13
+
+
+def test_steps_longer_than_a_period_need_no_instants_between(smooth_motion: Callable) -> None:
+    """Some motions at once, their liquids by steps of 4 periods: joints and tray to the last digit as by steps of one.
+
+    The grid of the latter has the middles of the periods too.
+    """
+    motion = smooth_motion("mixed-tray", cargo=2)
+    motions, (start, stop) = [motion.trajectory.motion] * 2, motion.trajectory.t[[0, -1]]
+    few = replace(motion.scene, cargo=tuple(with_modes(item, 1) for item in motion.scene.cargo))
+    fine, coarse = (coarse_replays(few, motions, start, stop, rate=1000.0, halvings=own) for own in (0, 2))
+    for one, other in zip(fine, coarse, strict=True):
+        count = len(one.t)
+        assert np.array_equal(one.t, other.t[:count])
+        assert np.array_equal(one.joint_acceleration, other.joint_acceleration[:count])
+        assert np.array_equal(one.body, other.body[:, :count])
+        moved = np.max(np.abs(one.slosh_displacement))
+        assert np.allclose(one.slosh_displacement, other.slosh_displacement[:count], atol=1e-4 * moved)

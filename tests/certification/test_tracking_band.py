@@ -18,7 +18,7 @@ from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.run import run_of
 from nospill.certification.tracked_rows import Followed
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion, JointSamples
-from nospill.motion.tracking import Swinging, late
+from nospill.motion.tracking import Swinging, late_by
 from nospill.scene.controller import Controller
 from nospill.scene.scene import Scene
 from nospill.scene.tracking import Tracking
@@ -63,7 +63,8 @@ def test_no_combination_of_late_joints_uses_more_than_the_band_says(
     between = np.random.default_rng(2).uniform(size=(20, joints))
     worst: dict = {}
     shares = [*np.array(list(product((0.0, 1.0), repeat=joints)))[1:-1], *between]
-    arms = [late(followed.motion, Controller(share * DELAY, share * LAG), *followed.span) for share in shares]
+    late = late_by(followed.motion, *followed.span)
+    arms = [late(Controller(share * DELAY, share * LAG)) for share in shares]
     for few in range(0, len(arms), 8):
         for played in followed.played(arms[few : few + 8], after=DELAY + 6 * LAG):
             for trace in followed.traces(played):

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion, JointSamples
-from nospill.motion.tracking import Swinging, elastic, late
+from nospill.motion.tracking import Swinging, elastic, late_by
 from nospill.scene.controller import Controller
 
 
@@ -21,7 +21,7 @@ def asked() -> JointMotion:
 
 def test_a_late_joint_is_where_it_should_have_been(asked: JointMotion) -> None:
     t, delay = np.linspace(0.1, 0.9, 60), np.array([0.0, 0.013])
-    motion = late(asked, Controller(delay, np.zeros(2)), 0.0, 1.0)
+    motion = late_by(asked, 0.0, 1.0)(Controller(delay, np.zeros(2)))
     for order in range(3):
         expected = np.column_stack([asked(t - own, order)[:, joint] for joint, own in enumerate(delay)])
         assert np.allclose(motion(t, order), expected, atol=1e-7 * 10.0 ** (2 * order))

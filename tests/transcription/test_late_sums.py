@@ -46,7 +46,7 @@ def test_sums_are_what_replays_with_one_joint_late_leave(name: str) -> None:
     late = scene.changed(BAND)
     followed, joints = Followed.of(trajectory, scene), len(scene.robot.joints)
     arms = [Arm.late(Controller(own, np.zeros(joints))) for own in (np.zeros(joints), *LATE * np.eye(joints))]
-    motions = [done_by(followed.motion, arm, *followed.span, 0.1) for arm in arms]
+    motions = list(map(done_by(followed.motion, *followed.span, 0.1), arms))
     states = np.array(
         [
             np.stack([replay.slosh_displacement[-1], replay.slosh_velocity[-1]])

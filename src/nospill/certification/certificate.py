@@ -25,7 +25,7 @@ from nospill.certification.replay import MINIMUM_RATE, Replay, replay
 from nospill.certification.run import COMMAND, command_traces, of_joints_alone, run_of
 from nospill.certification.traces import constraint_traces
 from nospill.certification.tracked_rows import Followed
-from nospill.certification.tracking_band import Band, band_of
+from nospill.certification.tracking_band import Band, OverBand, band_of
 from nospill.certification.verdict import Certificate, Row, Trace, condensed, fullest, keep_fullest, worst_row
 from nospill.collisions.pairs import self_collision
 from nospill.core.blas_threads import one_blas_thread
@@ -140,10 +140,12 @@ def judge_motion(
     motion: JointMotion | None = None,
     rate: float = MINIMUM_RATE,
     first: Judgement | None = None,
+    over_band: OverBand = band_of,
 ) -> Judgement:
     """`judge` whatever liquids the record has: a motion under planning carries those of its problem.
 
-    With what `judge_first` has found of it already, at the usual rate, the rest is added.
+    With what `judge_first` has found of it already, at the usual rate, the rest is added. The rows over a band are
+    those of `band_of`, or of a law that ends where one is broken.
     """
     require_rate(rate)
     require_motion(trajectory, scene.robot)
@@ -166,7 +168,7 @@ def judge_motion(
     band = None
     if scene.tracking is not None:
         followed = Followed.of_run(run, scene, planned)
-        band = band_of(followed, scene.tracking, judged.traces, judged.corner_use, judged.replay.t)
+        band = over_band(followed, scene.tracking, judged.traces, judged.corner_use, judged.replay.t)
     of_motion = planned if band is None else condensed([*planned, *band.rows])
     rows = (*of_motion, *map(worst_row, of_record))
     return replace(

@@ -71,9 +71,10 @@ class Added:
 
 @dataclass(frozen=True, slots=True)
 class Late:
-    """Joints that are late; `worst` is 1 for late and 0 for early."""
+    """Joints that are late; `worst` is 1 for late and 0 for early. The replays have a rate, Hz."""
 
     tracking: Tracking
+    rate: float = _FAST
 
     def of(self, arm: Arm, worst: np.ndarray) -> Arm:
         """An arm with these joints (n, 1) late by all of their band."""
@@ -82,7 +83,7 @@ class Late:
 
     def added(self, followed: Followed) -> Added:
         """What the joints add."""
-        few, half = replace(followed.with_few_modes(), rate=_FAST), self.tracking.latest / 2.0
+        few, half = replace(followed.with_few_modes(), rate=self.rate), self.tracking.latest / 2.0
         uncertain = np.flatnonzero(half)
         alone = half * (np.arange(len(half)) == uncertain[:, None])
         arms = [Arm.late(Controller(half + off, np.zeros_like(half))) for off in (0.0 * half, *alone, *-alone)]
@@ -207,9 +208,9 @@ class Beside:
 Respect = Late | Elastic | Beside
 
 
-def respects(tracking: Tracking) -> tuple[Respect, ...]:
-    """Those in which joints of a band may be off."""
-    late = (Late(tracking),) if np.any(tracking.latest) else ()
+def respects(tracking: Tracking, *, late_at: float = _FAST) -> tuple[Respect, ...]:
+    """Those in which joints of a band may be off; late ones are replayed at a rate in Hz."""
+    late = (Late(tracking, late_at),) if np.any(tracking.latest) else ()
     elastic = () if tracking.resonance is None else (Elastic(tracking),)
     return (*late, *elastic, *(() if tracking.swing is None else (Beside(tracking),)))
 
@@ -248,9 +249,9 @@ class _Played:
         shift = float(np.mean(arms[0].controller.delay))
         uses: dict[RowId, list[np.ndarray]] = {}
         ending, settled, t = [], [], np.empty(0)
+        done = done_by(few.motion, start, stop, after + 0.05)
         for first in range(0, len(arms), _AT_ONCE):
-            motions = [done_by(few.motion, arm, start, stop, after + 0.05) for arm in arms[first : first + _AT_ONCE]]
-            replays = few.played(motions, after=after)
+            replays = few.played([done(arm) for arm in arms[first : first + _AT_ONCE]], after=after)
             t = replays[0].t - shift
             at = int(np.argmin(np.abs(t - stop)))
             for own in few.during(replays):

@@ -142,21 +142,23 @@ def coarse_replays(
     """
     longer = 2**halvings
     count = longer * max(1, int(np.ceil((stop - start) * rate / longer - 1e-6)))
-    grid, step = start + np.arange(2 * count + 1) / (2.0 * rate), 1.0 / rate
+    # a step of the liquids needs its middle: where it is one period, instants between those of the replays
+    finer = 2 if halvings == 0 else 1
+    grid, step = start + np.arange(finer * count + 1) / (finer * rate), 1.0 / rate
     joints = [np.concatenate([motion(grid, order) for motion in motions]) for order in range(3)]
     tray, body = tray_from_joints(scene, joints)
     coordinates, found = coordinate_count(structure_of(scene)), []
     integrated = [np.empty((count + 1, 0))] * len(motions)
     if coordinates:
         bodies = np.split(body, len(motions), axis=1)
-        integrated = _integrate(scene, [own[:, ::longer] for own in bodies], longer * step)
+        integrated = _integrate(scene, [own[:, :: finer * longer // 2] for own in bodies], longer * step)
     for index, states in enumerate(integrated):
         for halving in range(halvings if coordinates else 0):
             states = _with_middles(states, longer * step / 2**halving)
-        every = slice(index * len(grid), (index + 1) * len(grid), 2)
+        every = slice(index * len(grid), (index + 1) * len(grid), finer)
         found.append(
             Replay(
-                t=grid[::2],
+                t=grid[::finer],
                 rate=rate,
                 joint_position=joints[0][every],
                 joint_speed=joints[1][every],

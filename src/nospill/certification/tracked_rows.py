@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -86,7 +87,7 @@ class Followed:
     def of_run(cls, run: Run, scene: Scene, rows: Sequence[Row]) -> Followed:
         """A run of a scene, with its reserves."""
         near = tuple(row for row in rows if row.constraint == Clearance.name and row.worst_margin < _NEAR)
-        alone = of_joints_alone(_without_flow(replace(scene, cargo=hull_objects(scene))))
+        alone = _outer(scene)
         return cls(alone, run.record, run.motion or run.record.motion, near, _freeboards(alone, rows))
 
     @property
@@ -106,8 +107,7 @@ class Followed:
 
     def with_few_modes(self) -> Followed:
         """The same with few modes of each liquid: for differences between replays."""
-        cargo = tuple(with_modes(item, min(_MODES, self.scene.slosh_modes)) for item in self.scene.cargo)
-        return replace(self, scene=replace(self.scene, cargo=cargo), few_modes=True)
+        return replace(self, scene=_with_few_modes(self.scene), few_modes=True)
 
     def only(self, subjects: Collection[str]) -> Followed:
         """The same with nothing on the tray but some objects, and some pairs of bodies; all where one is neither."""
@@ -208,6 +208,18 @@ def without_reserve(replay: Replay, scene: Scene, rows: Sequence[Row]) -> dict[R
     found = {row: float(np.max(use)) for row, use in uses if use is not None}
     near = [row for row in rows if row.constraint == Clearance.name]
     return found | {row.id: float(limit_use(row.known, 0.0, row.worst_value - min(row.limit, 0.0))) for row in near}
+
+
+@lru_cache(maxsize=8)  # of a scene under planning in every round, with what is kept of the last few scenes
+def _outer(scene: Scene) -> Scene:
+    """The scene for replays: with the outer ones of like objects alone."""
+    return of_joints_alone(_without_flow(replace(scene, cargo=hull_objects(scene))))
+
+
+@lru_cache(maxsize=8)
+def _with_few_modes(scene: Scene) -> Scene:
+    cargo = tuple(with_modes(item, min(_MODES, scene.slosh_modes)) for item in scene.cargo)
+    return replace(scene, cargo=cargo)
 
 
 def _without_flow(scene: Scene) -> Scene:

@@ -12,7 +12,7 @@ Nothing is proven beyond the first order, and of combinations and frequencies th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +27,8 @@ from nospill.scene.tracking import Arm, Tracking
 
 _REPLAYED = 3
 """Combinations of joints that are replayed."""
+_FIRST_LOOK, _BROKEN = 500.0, 1.003
+"""Hz, of a first look, and use of a limit from which that is broken: the two rates differ by less."""
 _CLEAR = 1e-9
 """Of a limit: a row that is added less than this is as planned."""
 _Found = Sequence[tuple[Respect, Added]]
@@ -51,6 +53,10 @@ class Band:
     largest: float
 
 
+OverBand = Callable[[Followed, Tracking, tuple[Trace, ...], Uses, np.ndarray], Band]
+"""The arguments of `band_of` -> the rows over a band."""
+
+
 def band_of(
     followed: Followed, tracking: Tracking, traces: tuple[Trace, ...], corner_use: Uses, corner_times: np.ndarray
 ) -> Band:
@@ -67,13 +73,77 @@ def band_of(
         ModelError: the liquids cannot be integrated.
     """
     found = [(respect, respect.added(followed)) for respect in respects(tracking)]
-    t = followed.record.t
-    added = _together([own for _, own in found], t)
-    planned = {trace.id: _with_variants(trace, corner_use, corner_times) for trace in traces if trace.id in added}
-    bounds = {row: trace.use + _at(added[row], t, trace.t) for row, trace in planned.items()}
+    return _sampled(followed, tracking, _FirstOrder.of(followed, found, traces, corner_use, corner_times))
+
+
+def broken_or_band_of(
+    followed: Followed, tracking: Tracking, traces: tuple[Trace, ...], corner_use: Uses, corner_times: np.ndarray
+) -> Band:
+    """`band_of` for a motion under planning: where a first look breaks a row, what that found, else all of it.
+
+    The first look is to the first order alone, of late joints by replays at half of the rate.
+    """
+    found = [(respect, respect.added(followed)) for respect in respects(tracking, late_at=_FIRST_LOOK)]
+    first = _FirstOrder.of(followed, found, traces, corner_use, corner_times)
+    if max((float(np.max(bound)) for bound in first.bounds.values()), default=0.0) > _BROKEN:
+        return first.band(tracking)
+    late = Late(tracking)
+    found = [(late, late.added(followed)) if isinstance(own[0], Late) else own for own in found]
+    return _sampled(followed, tracking, _FirstOrder.of(followed, found, traces, corner_use, corner_times))
+
+
+@dataclass(frozen=True, slots=True)
+class _FirstOrder:
+    """What all joints together add to the first order.
+
+    Attributes:
+        t: (m,) of what is added, s.
+        found: by respect.
+        added: part of its limit that every row uses more, (m,).
+        planned: the rows as planned.
+        bounds: uses of the rows over the band, on the grids of those.
+    """
+
+    t: np.ndarray
+    found: _Found
+    added: dict[RowId, np.ndarray]
+    planned: dict[RowId, Trace]
+    bounds: dict[RowId, np.ndarray]
+
+    @classmethod
+    def of(
+        cls, followed: Followed, found: _Found, traces: tuple[Trace, ...], corner_use: Uses, corner_times: np.ndarray
+    ) -> _FirstOrder:
+        """Of a motion, arguments as of `band_of`."""
+        t = followed.record.t
+        added = _together([own for _, own in found], t)
+        planned = {trace.id: _with_variants(trace, corner_use, corner_times) for trace in traces if trace.id in added}
+        bounds = {row: trace.use + _at(added[row], t, trace.t) for row, trace in planned.items()}
+        return cls(t, found, added, planned, bounds)
+
+    def band(self, tracking: Tracking, replayed: Sequence[Row] = ()) -> Band:
+        """The rows over the band, with those of some arms that were replayed."""
+        of_bounds = [
+            worst_row(_exceeded(self.planned[row], bound, tracking.text))
+            for row, bound in self.bounds.items()
+            if np.max(bound - self.planned[row].use) > _CLEAR
+        ]
+        use = {row: float(np.max(bound)) for row, bound in self.bounds.items()}
+        for row in replayed:
+            use[row.id] = max(row.use, use.get(row.id, 0.0))
+        return Band((*of_bounds, *replayed), self.t, self.added, use, _largest(self.planned, self.bounds))
+
+
+def _sampled(followed: Followed, tracking: Tracking, first: _FirstOrder) -> Band:
+    """The rows over a band, with the worst arms replayed."""
+    planned, added, bounds = first.planned, dict(first.added), dict(first.bounds)
     replayed: list[Row] = []
-    for arm in _worst_arms(bounds, planned, found):
-        rows = list(_of_arm(followed, tracking, arm))
+    after = rest_after(tracking)
+    done = done_by(followed.motion, *followed.span, after + 0.05)
+    for arm in _worst_arms(bounds, planned, first.found):
+        (played,) = followed.played([done(arm)], after=after)
+        text = arm.text(followed.record.joints)
+        rows = [worst_row(replace(trace, variant=text)) for trace in followed.traces(played)]
         replayed += rows
         for row in rows:
             if row.id in bounds and row.use > np.max(bounds[row.id]):
@@ -82,16 +152,8 @@ def band_of(
                 if more > _CLEAR:
                     factor = (row.use - float(planned[row.id].use[at])) / more
                     added[row.id] = factor * added[row.id]
-                    bounds[row.id] = planned[row.id].use + _at(added[row.id], t, planned[row.id].t)
-    of_bounds = [
-        worst_row(_exceeded(planned[row], bound, tracking.text))
-        for row, bound in bounds.items()
-        if np.max(bound - planned[row].use) > _CLEAR
-    ]
-    use = {row: float(np.max(bound)) for row, bound in bounds.items()}
-    for row in replayed:
-        use[row.id] = max(row.use, use.get(row.id, 0.0))
-    return Band((*of_bounds, *replayed), t, added, use, _largest(planned, bounds))
+                    bounds[row.id] = planned[row.id].use + _at(added[row.id], first.t, planned[row.id].t)
+    return replace(first, added=added, bounds=bounds).band(tracking, replayed)
 
 
 def _largest(planned: Mapping[RowId, Trace], bounds: Uses) -> float:
@@ -150,15 +212,6 @@ def _worst_arms(bounds: Uses, planned: Mapping[RowId, Trace], found: _Found) -> 
         yield arm
         if len(seen) == _REPLAYED:
             return
-
-
-def _of_arm(followed: Followed, tracking: Tracking, arm: Arm) -> Iterator[Row]:
-    """Rows of one arm of the band."""
-    after, span = rest_after(tracking), followed.span
-    (played,) = followed.played([done_by(followed.motion, arm, *span, after + 0.05)], after=after)
-    text = arm.text(followed.record.joints)
-    for trace in followed.traces(played):
-        yield worst_row(replace(trace, variant=text))
 
 
 def _exceeded(trace: Trace, use: np.ndarray, variant: str) -> Trace:

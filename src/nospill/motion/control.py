@@ -183,11 +183,13 @@ def _lag(pieces: Pieces, lag: np.ndarray) -> _Lagged:
     first = np.concatenate([steady[-1, 1:], last[-1:]])  # after the last break the command rests
     first[-1] = rest[1]
     decay = np.where(lag > 0.0, np.exp(-widths[:, None] / np.where(lag > 0.0, lag, 1.0)), 0.0)
-    left = np.empty((len(widths) + 1, len(lag)))
-    left[0] = np.where(lag > 0.0, rest[0] - steady[-1, 0], 0.0)
-    jumps = np.where(lag > 0.0, last - first, 0.0)
-    for index in range(len(widths)):
-        left[index + 1] = left[index] * decay[index] + jumps[index]
+    left = np.where(lag > 0.0, np.vstack([rest[0] - steady[-1, 0], last - first]), 0.0)
+    # left[k + 1] = decay[k] left[k] + jump[k]: sums over one piece, two, four, until all are in it
+    decay, reach = np.vstack([np.zeros_like(decay[:1]), decay]), 1
+    while reach <= len(widths):
+        left[reach:] += decay[reach:] * left[:-reach].copy()
+        decay[reach:] *= decay[:-reach].copy()
+        reach *= 2
     return _Lagged(Pieces(pieces.breaks, steady), rest[1], lag, left)
 
 

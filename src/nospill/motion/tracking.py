@@ -25,40 +25,44 @@ _ELASTIC_RATE = 2000.0
 """Hz; of the grid on which an elastic joint is integrated, exactly for accelerations that are linear between."""
 
 
-def late(motion: JointMotion, arm: Controller, start: float, stop: float) -> JointMotion:
+def late_by(motion: JointMotion, start: float, stop: float) -> Callable[[Controller], JointMotion]:
     """What late joints make of a motion, on its own clock: joint j is at time t where it should be at t - delay_j.
+
+    Of any arm, from one spline through the motion: many are made in little more time.
 
     Args:
         motion: that is asked for, at rest before `start` and after `stop`.
-        arm: delays and lags.
         start: s.
         stop: s.
+
+    Returns:
+        Delays and lags -> motion.
     """
-    return late_by(motion, start, stop)(arm) if arm.is_late else motion
-
-
-def late_by(motion: JointMotion, start: float, stop: float) -> Callable[[Controller], JointMotion]:
-    """The same for any arm that is late, from one spline through the motion: many are made in little more time."""
     behind = follower(motion, start, stop)
 
     def done(arm: Controller) -> JointMotion:
+        if not arm.is_late:
+            return motion
         own = behind(arm)
         return lambda t, order=0, /: own(t - arm.latest, order)  # that clock begins with the latest joint
 
     return done
 
 
-def done_by(motion: JointMotion, arm: Arm, start: float, stop: float, after: float) -> JointMotion:
-    """What the joints of an arm make of a motion, on its own clock: late, then elastic, then beside it.
+def done_by(motion: JointMotion, start: float, stop: float, after: float) -> Callable[[Arm], JointMotion]:
+    """What the joints of arms make of a motion, on its own clock: late, then elastic, then beside it.
 
     Args:
         motion: that is asked for, at rest before `start` and after `stop`.
-        arm: the arm.
         start: s.
         stop: s.
         after: s, how much longer it is looked at.
+
+    Returns:
+        Arm -> motion.
     """
-    return swung(late(motion, arm.controller, start, stop), arm, start, stop + after)
+    late = late_by(motion, start, stop)
+    return lambda arm: swung(late(arm.controller), arm, start, stop + after)
 
 
 def swung(motion: JointMotion, arm: Arm, start: float, stop: float) -> JointMotion:

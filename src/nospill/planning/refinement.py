@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from nospill import diagnosis
 from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.tracking_band import broken_or_band_of
 from nospill.certification.tracks import judged_tracks, variant_tracks
 from nospill.errors import ModelError, NoSolutionError
 from nospill.laws.constraints import DEVIATION_JERK_NAMES, LIQUID_NAMES
@@ -41,8 +42,9 @@ _ALIKE = 0.8
 """Part of the coarse answer's duration that a fine one near it takes at least."""
 _WORTH_A_SOLVE = 1e-3
 """Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
-_WORTH_WITH_MARGINS = 0.01
-"""The same over a band of arms, where a row that gets some back asks for two more rounds, and where a flow judges."""
+_WORTH_OVER_BAND, _WORTH_LIGHTER = 5e-3, 0.01
+"""The same over a band of arms, where a row that gets some back asks for two more rounds; where a flow judges, or jerks
+weigh less."""
 _HEAVIER = 2.0
 """Times that jerks weigh more from which a motion relaxed, which then leaves too much by the flow, is given up."""
 _LIGHTENED = 3
@@ -134,7 +136,16 @@ def certify_by_refinement(candidate: Candidate, log: Log, *, worth: float = _WOR
         NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
     """
     judged = _by_smoothness(_refine_until_certified(candidate, log), log)
-    return _relaxed(_lightened(judged, log), log, worth)
+    return _with_whole_verdict(_relaxed(_lightened(judged, log), log, worth), log)
+
+
+def _with_whole_verdict(judged: Judged, log: Log) -> Judged:
+    """The same with all that a judge looks at, where rounds have ended with a row broken at a first look."""
+    scene = judged.candidate.active.task.scene
+    if scene.tracking is None or judged.judgement.certificate.ok:
+        return judged
+    with log.phase("certify"):
+        return replace(judged, judgement=judge_motion(judged.trajectory, scene))
 
 
 def _by_smoothness(judged: Judged, log: Log) -> Judged:
@@ -160,7 +171,7 @@ def _relaxed(judged: Judged, log: Log, least: float) -> Judged:
         return judged
     relaxed = relax(last.active, judged.judgement)
     by_flow = bool(last.active.task.may_be_driven)
-    worth = max(least, _WORTH_WITH_MARGINS if last.active.margins or by_flow else 0.0)
+    worth = max(least, _WORTH_OVER_BAND if last.active.margins else 0.0, _WORTH_LIGHTER if by_flow else 0.0)
     if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
         with suppress(NoSolutionError):
             again = _tighten(last, relaxed, log)
@@ -189,7 +200,7 @@ def _lightened(judged: Judged, log: Log) -> Judged:
         if refined is None or not refined.judgement.certificate.ok or refined.trajectory.end_time >= end:
             return judged
         judged = refined
-        if refined.trajectory.end_time > (1.0 - _WORTH_WITH_MARGINS) * end:
+        if refined.trajectory.end_time > (1.0 - _WORTH_LIGHTER) * end:
             return judged
     return judged
 
@@ -259,7 +270,7 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
             trajectory = exported(candidate)
         with log.phase("certify"):
             looked_at = candidate.active.task.judged_scene(candidate.active.refined)
-            judgement = judge_motion(trajectory, looked_at)
+            judgement = judge_motion(trajectory, looked_at, over_band=broken_or_band_of)
             if judgement.leaves_margin and looked_at is not scene:
                 judgement = judge_motion(trajectory, scene)
             slosh = judged_tracks(trajectory, scene, judgement.replay, judgement.traces)

@@ -4,12 +4,12 @@ A joint that is late by d stands d q' behind. That moves the place of a liquid b
 apparent gravity G the liquid, of frequency w, answers to both until the end T, and swings on with the displacement and
 the quadrature
 
-    -d int (sin psi, cos psi) / w  e . [(J q')'' + G x J_w q'] dt,    psi(t) = int_t^T w dt,
+    -d int (sin psi, cos psi) / w  (e + k (e . x) z) . [(J q')'' + G x J_w q'] dt,    psi(t) = int_t^T w dt,
 
-e a direction in which it swings, carried back from the end: a liquid does not turn with its cup. By parts the
-derivatives go to what stands before J q', and with the place, e, psi and G of one motion held, a sum over the nodes is
-left, of gains times speeds. Where the sums of every joint vanish, no combination of late joints leaves anything, but
-for what jolts along the axis make of a liquid that swings already.
+e a direction in which it swings, carried back from the end: a liquid does not turn with its cup. Along the axis z a
+jolt changes the stiffness k of a liquid that stands x beside it. By parts the derivatives go to what stands before
+J q', and with the place, e, x, psi and G of one motion held, a sum over the nodes is left, of gains times speeds. Where
+the sums of every joint vanish, no combination of late joints leaves anything.
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ def late_sums(scene: Scene, motion: Stages) -> np.ndarray:
         motion: on its grid, of which everything but the speeds is held.
     """
     assert scene.tracking is not None
-    layout, h = layout_of(structure_of(scene)), motion.interval
+    structure, h = structure_of(scene), motion.interval
+    layout, swung = layout_of(structure), motion.table[:-1, layout_of(structure).displacement]
     q, qd = (motion.table[:-1, layout.joint_derivative(order)] for order in range(2))
     _, rotation, jacobian = kinematics(scene.robot).poses_and_jacobians(q, tool=scene.tray.tool)
     linear, turning = jacobian[:, :3].transpose(0, 2, 1), jacobian[:, 3:].transpose(0, 2, 1)  # (N, n, 3)
@@ -50,23 +51,25 @@ def late_sums(scene: Scene, motion: Stages) -> np.ndarray:
     pressing = np.maximum(np.einsum("ki,ki->k", axis, gravity) / scene.gravity, _LEAST_GRAVITY)
     later = h * np.arange(len(q), 0, -1)
     rows = [np.zeros((len(q), len(scene.robot.joints)))]
-    for cargo in scene.cargo:
+    for cargo, item, own in zip(scene.cargo, structure.objects, structure.slosh_slices, strict=True):
         if cargo.filling is None or cargo.filling.lid:
             continue
         limit = scene.motion.residual_fraction * cargo.filling.max_slosh_height
-        for mode in cargo.filling.modes.oscillators:
+        for mode, part in zip(cargo.filling.modes.oscillators, item.oscillator_slices, strict=False):
             if mode.number > 1:
                 continue
+            sides = np.array([_side(cargo.yaw, name) for name in mode.directions])
+            beside = np.einsum("kij,kj->ki", rotation, swung[:, own][:, part] @ sides)
             place = rotation @ np.append(cargo.position, cargo.seat + mode.height)
             moved = linear + np.cross(turning, place[:, None])
             leaning = np.cross(gravity[:, None], turning)
             frequency = mode.frequency * np.sqrt(pressing)
             phase = np.cumsum(h * frequency[::-1])[::-1]
             size = -h * abs(mode.surface_gain) / limit * np.exp(-mode.damping * mode.frequency * later) / frequency
-            for side in mode.directions:
-                turn = cargo.yaw + (np.pi / 2 if side == "y" else 0.0)
-                own = rotation[-1] @ [np.cos(turn), np.sin(turn), 0.0]
-                along = own - axis * (axis @ own)[:, None]
+            for side in sides:
+                at_end = rotation[-1] @ side
+                along = at_end - axis * (axis @ at_end)[:, None]
+                along += mode.stiffness * axis * np.einsum("ki,ki->k", along, beside)[:, None]
                 for answer in (np.sin(phase), np.cos(phase)):
                     weight = (size * answer)[:, None] * along
                     ahead = np.pad(weight, ((1, 1), (0, 0)), mode="reflect", reflect_type="odd")
@@ -78,3 +81,9 @@ def late_sums(scene: Scene, motion: Stages) -> np.ndarray:
     most = min(SUMS, size.shape[1])
     gains[:, :most] = size[:, :most, None] * shape[:, :most]
     return gains
+
+
+def _side(yaw: float, name: str) -> np.ndarray:
+    """Direction "x" or "y" of a container that is turned on the tray, (3,) in tray axes."""
+    turn = yaw + (np.pi / 2 if name == "y" else 0.0)
+    return np.array([np.cos(turn), np.sin(turn), 0.0])
