@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.certification.certificate import Judgement, judge_first, judge_motion
+from nospill.certification.certificate import Judgement, judge_first, judge_motion, judge_roughly
 from nospill.certification.tracks import judged_tracks
 from nospill.certification.verdict import Row, Trace, worst_row
 from nospill.errors import ModelError
@@ -69,9 +69,10 @@ def judged_stop(record: Trajectory, scene: Scene, splice: Splice | None) -> Verd
         scene, wait = splice.scene, splice.wait
     early = wait + _OVERSHOOTS / record.rate if splice is not None else 0.0
     try:
-        first = judge_first(joined, scene, motion=motion)
-        if not (found := Verdict(record, _since(first, wait), _at_splice(first, early), stays=False)).ok:
-            return found
+        for look in (judge_roughly, judge_first):
+            first = look(joined, scene, motion=motion)
+            if not (found := Verdict(record, _since(first, wait), _at_splice(first, early), stays=False)).ok:
+                return found
         whole = judge_motion(joined, scene, motion=motion, first=first)
     except (ModelError, np.linalg.LinAlgError):
         return None
@@ -88,14 +89,15 @@ def _at_splice(judgement: Judgement, early: float) -> dict[RowId, float]:
 
 def _since(judgement: Judgement, wait: float) -> Judgement:
     """A verdict from an instant on, on a clock that begins there."""
-    fullest = {key: cut for key, trace in judgement.fullest.items() if (cut := _cut(trace, wait)) is not None}
+    cuts = {id(trace): _cut(trace, wait) for trace in (*judgement.traces, *judgement.fullest.values())}
+    fullest = {key: cut for key, trace in judgement.fullest.items() if (cut := cuts[id(trace)]) is not None}
     distances = [_later(row, wait) for row in judgement.certificate.rows if row.id not in judgement.fullest]
     rows = (*map(worst_row, fullest.values()), *distances)
     ok = all(row.ok for row in rows) and not judgement.certificate.unjudged
     return replace(
         judgement,
         certificate=replace(judgement.certificate, ok=ok, rows=rows),
-        traces=tuple(cut for trace in judgement.traces if (cut := _cut(trace, wait)) is not None),
+        traces=tuple(cut for trace in judgement.traces if (cut := cuts[id(trace)]) is not None),
         end_time=judgement.end_time - wait,
         corners=(),
         corner_use={},
@@ -105,8 +107,8 @@ def _since(judgement: Judgement, wait: float) -> Judgement:
 
 def _cut(trace: Trace, wait: float) -> Trace | None:
     """A trace from an instant on; None where it has none of those."""
-    late = trace.t >= wait - 1e-9
-    if not np.any(late):
+    late = slice(int(np.searchsorted(trace.t, wait - 1e-9)), None)
+    if late.start == len(trace.t):
         return None
     columns = {name: getattr(trace, name)[late] for name in ("t", "value", "limit", "margin")}
     columns["t"] = columns["t"] - wait
