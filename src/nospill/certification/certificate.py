@@ -203,7 +203,7 @@ def judge_roughly(trajectory: Trajectory, scene: Scene, *, motion: JointMotion |
     """A look at a motion that is going to be changed where it breaks a limit, in two fifths of `judge_first`'s time.
 
     Of the objects as stated at 1 kHz, the liquids integrated once, and without what lies between the instants: uses
-    agree with those of a verdict within 0.5 % of a limit. It certifies nothing.
+    agree with those of a verdict within 0.5 % of a limit, 2 % where accelerations jump. It certifies nothing.
 
     Raises:
         ModelError: a liquid leaves its cup.
