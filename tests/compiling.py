@@ -1,11 +1,30 @@
-"""Functions compared."""
+"""Machine code of tests: functions compared, and libraries that are compiled for the tests of one file."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
 import casadi as ca
 import numpy as np
+import pytest
 
+from nospill.compiled.small_libraries import small_library
 from nospill.core.batches import columns_at_once
+from tests.hasty import COMPILER
+
+
+@contextmanager
+def own_library(name: str, cache: Path) -> Iterator[Path]:
+    """A small library compiled into an empty cache, in which functions look for it while this lasts."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CC", COMPILER)
+        patch.setenv("NOSPILL_COMPILE", "wait")
+        patch.setenv("NOSPILL_CACHE", str(cache))
+        found = small_library(name, wait=True)
+        assert found is not None
+        yield found
 
 
 def assert_same(ours: ca.Function, theirs: ca.Function, *, tolerance: float = 1e-12) -> None:

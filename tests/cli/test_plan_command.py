@@ -18,7 +18,8 @@ from nospill.certification.verdict import Certificate, Row
 from nospill.cli import planning
 from nospill.errors import NoSolutionError
 from nospill.plans.loading import load_plan
-from nospill.plans.plan import SUMMARY_KEYS, Plan
+from nospill.plans.plan import Plan
+from nospill.plans.summary import SUMMARY_KEYS
 from tests.cli.commands import nospill
 from tests.cli.conftest import Boundary
 from tests.waiting import finished, wait_until

@@ -13,7 +13,8 @@ from nospill.certification.certificate import certify
 from nospill.comparison import compared, trapezoid_motion
 from nospill.comparison.compared import LEVEL, TRAPEZOID
 from nospill.paths.path import straight_line
-from nospill.plans.plan import Plan, failed_summary
+from nospill.plans.plan import Plan
+from nospill.plans.summary import failed_summary
 from nospill.scenario import read_scenario
 from nospill.transcription.trapezoids import PIECES, path_parameter_rates, profile
 

@@ -27,8 +27,8 @@ from nospill.compiled.kept import forget_functions
 from nospill.compiled.small_libraries import small_library
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import object_kind, tray_kind
-from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
+from nospill.laws.structure import Structure
 from nospill.native import libraries
 from nospill.planning.planner import plan
 from nospill.robots.kinematics.forward import kinematics

@@ -15,6 +15,7 @@ from nospill.compiled.small_libraries import small_library
 from nospill.core.batches import columns_at_once, evaluate, over_columns
 from nospill.native import libraries
 from tests.compiled.programs import OPERATIONS, of_two, random_program, same_as_step_after_step, swing, tape_of
+from tests.compiling import own_library
 from tests.hasty import COMPILER
 
 SX = ca.SX
@@ -24,13 +25,8 @@ pytestmark = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C com
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The compiled interpreter."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("CC", COMPILER)
-        patch.setenv("NOSPILL_COMPILE", "wait")
-        patch.setenv("NOSPILL_CACHE", str(tmp_path_factory.mktemp("interpreter")))
-        found = small_library("interpreter", wait=True)
-    assert found is not None
-    return found
+    with own_library("interpreter", tmp_path_factory.mktemp("interpreter")) as found:
+        return found
 
 
 def same_for_each_column(function: ca.Function, found: list[np.ndarray], *columns: np.ndarray) -> None:

@@ -20,6 +20,7 @@ from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
 from nospill.planning.log import Log
+from nospill.planning.next_set import next_set
 from nospill.planning.planner import plan
 from nospill.planning.refinement import certify_by_refinement, solve_from, start_from
 from nospill.planning.task import Task
@@ -74,11 +75,11 @@ def test_liquids_that_break_a_limit_join_with_more_modes_before_anything_else() 
     active = ActiveSet.of(Task.of(scene), Q)
     assert structure_of(active.scene).objects[0].modes == 1 and not active.refined
     broken = (row("slosh height", "cup", -0.08), row("slip", "bottle", -0.01), row("residual height", "box", -1.2))
-    grown = active.after(judgement(*broken, row("slosh height", "mug", 0.001)))
+    grown = next_set(active, judgement(*broken, row("slosh height", "mug", 0.001)))
     residual = {RowId("residual height", name): 0.3 for name in ("cup", "box")}  # of which modes joined
     assert grown.refined == {"cup", "box"} and grown.backoff == {**active.backoff, **residual}
     assert [item.modes for item in structure_of(grown.scene).objects] == [3, 1, 3, 0]
-    again = grown.after(judgement(*broken))
+    again = next_set(grown, judgement(*broken))
     assert again.scene is grown.scene and again.backoff[RowId("residual height", "box")] > 0.4
 
 
@@ -87,7 +88,7 @@ def test_jerks_weigh_more_where_modes_outside_the_problem_swing_too_far() -> Non
     residual = RowId("residual height", "box")
 
     def after(active: ActiveSet, use: float) -> ActiveSet:
-        return active.after(judgement(row(*residual, 1.0 - use)))
+        return next_set(active, judgement(row(*residual, 1.0 - use)))
 
     refined = after(ActiveSet.of(Task.of(scene), Q), 9.0)
     assert refined.refined == {"box"} and refined.smoothness.factor == 1.0  # with one mode anything may be over
@@ -114,13 +115,13 @@ def test_jerks_weigh_more_where_modes_outside_the_problem_swing_too_far() -> Non
 def test_published_liquids_keep_the_modes_that_are_stated(changed_scene: Callable[..., Scene]) -> None:
     broken = judgement(row("slosh height", "c1", -0.08))
     one = ActiveSet.of(Task.of(read_scenario("matrix-liquid")), Q)
-    assert not one.after(broken).refined
+    assert not next_set(one, broken).refined
     two = ActiveSet.of(Task.of(changed_scene("matrix-liquid", {"planning.slosh_modes": 2})), Q)
     assert structure_of(two.scene) == structure_of(one.scene)
-    assert [item.modes for item in structure_of(two.after(broken).scene).objects] == [2, 1, 1, 1]
+    assert [item.modes for item in structure_of(next_set(two, broken).scene).objects] == [2, 1, 1, 1]
     assert structure_of(changed_scene("matrix-liquid-tilt", {"planning.slosh_modes": 5})).objects[0].modes == 5
     tilting = ActiveSet.of(Task.of(one_mode("matrix-liquid-tilt")), Q)
-    assert not tilting.after(broken).refined
+    assert not next_set(tilting, broken).refined
 
 
 # --- rows -----------------------------------------------------------------------------------------------------------
@@ -142,9 +143,9 @@ def test_rows_far_from_their_limit_leave_and_join_again_when_violated(scene: Sce
     )
     assert ("slip", "c2") not in active.rows and ("slip", "c1") in active.rows
     violated = judgement(row("slip", "c2", -0.004))
-    joined = active.after(violated)
+    joined = next_set(active, violated)
     assert ("slip", "c2") in joined.rows and joined.backoff == active.backoff  # to take part may be enough
-    tightened = joined.after(violated)
+    tightened = next_set(joined, violated)
     assert tightened.backoff[RowId("slip", "c2")] > joined.backoff[RowId("slip", "c2")] + 0.004
     assert tightened.increased() == {"slip | c2": tightened.backoff[RowId("slip", "c2")]}
 
@@ -154,7 +155,7 @@ def test_further_back_off_makes_up_for_what_is_missing(scene: Scene) -> None:
     for margin in (1e-3, 0.0, -0.01, -5.0):
         missing = 1.5e-3 - margin
         added = (
-            active.after(judgement(row("slip", "c1", margin))).backoff[RowId("slip", "c1")]
+            next_set(active, judgement(row("slip", "c1", margin))).backoff[RowId("slip", "c1")]
             - active.backoff[RowId("slip", "c1")]
         )
         assert min(missing, 0.1 - 1e-12) < added <= min(1.5 * missing + 1e-3, 0.1 + 1e-12)
@@ -164,14 +165,15 @@ def test_contacts_near_their_limit_get_most_of_what_the_worst_got(scene: Scene) 
     """Whether they take part yet or not; not those far from it, nor liquids, which swing each in its own time."""
     active = ActiveSet.of(Task.of(scene), Q)
     active = active.with_rows(active.rows - {RowId("slip", "c4")})
-    found = active.after(
+    found = next_set(
+        active,
         judgement(
             row("slip", "c1", -0.01),
             *[row("slip", name, margin) for name, margin in zip(("c2", "c3", "c4"), (0.02, 0.2, 0.02), strict=True)],
             row("slosh height", "c1", -0.01),
             row("slosh height", "c2", 0.02),
             row("twist", "c1", 0.01),
-        )
+        ),
     ).backoff
     more = {item for item in found if found[item] > active.backoff[item]}
     assert more == {*(RowId("slip", name) for name in ("c1", "c2", "c4")), RowId("slosh height", "c1")}
@@ -182,8 +184,8 @@ def test_contacts_near_their_limit_get_most_of_what_the_worst_got(scene: Scene) 
 def test_a_judged_motion_with_nothing_to_act_on_leaves_the_set_itself(scene: Scene) -> None:
     task = Task.of(scene, {"slip"})
     active = ActiveSet.of(task, Q)
-    assert active.after(judgement(row("path position", "tray", -0.1), row("slip", "c1", -0.1))) is active
-    assert active.after(judgement(row("slosh height", "c1", 0.1))) is active
+    assert next_set(active, judgement(row("path position", "tray", -0.1), row("slip", "c1", -0.1))) is active
+    assert next_set(active, judgement(row("slosh height", "c1", 0.1))) is active
 
 
 def test_rows_on_the_final_state_stay(scene: Scene) -> None:
@@ -233,7 +235,7 @@ def test_the_published_tray_is_planned_as_it_is(scene: Scene) -> None:
 def test_a_violated_object_joins_and_keeps_what_is_known() -> None:
     task = Task.of(grid_of_cups())
     active = ActiveSet.of(task, Q).with_backoff({RowId("slip", "c1"): 0.02})
-    grown = active.after(judgement(row("slip", "c5", -0.2), row("slip", "c1", 0.9), row("tip", "c9", 0.1)))
+    grown = next_set(active, judgement(row("slip", "c5", -0.2), row("slip", "c1", 0.9), row("tip", "c9", 0.1)))
     assert members(grown) == ["c1", "c3", "c5", "c7", "c9"]
     assert grown.backoff[RowId("slip", "c1")] == 0.02 and grown.backoff[RowId("slip", "c5")] == BY_NAME["slip"].backoff
     assert ("slip", "c1") not in grown.rows and {("slip", "c5"), ("tip", "c9")} <= grown.rows
@@ -242,7 +244,7 @@ def test_a_violated_object_joins_and_keeps_what_is_known() -> None:
 def test_a_slight_violation_outside_the_problem_tightens_all_within() -> None:
     task = Task.of(grid_of_cups())
     active = ActiveSet.of(task, Q)
-    tightened = active.after(judgement(row("slip", "c5", -0.004)))
+    tightened = next_set(active, judgement(row("slip", "c5", -0.004)))
     assert tightened.members == active.members
     assert raised(active, tightened) == {("slip", name) for name in members(active)}
 
@@ -280,7 +282,7 @@ def test_of_very_many_different_objects_two_begin_and_two_join_at_once(monkeypat
     delicate = {cargo.name for cargo in least_tolerant_objects(task.model, 2)}
     assert set(members(active)) == delicate
     others = [cargo.name for cargo in task.model.cargo if cargo.name not in delicate]
-    grown = active.after(judgement(*(row("slip", name, -0.01 * (n + 1)) for n, name in enumerate(others))))
+    grown = next_set(active, judgement(*(row("slip", name, -0.01 * (n + 1)) for n, name in enumerate(others))))
     assert set(members(grown)) == delicate | set(others[-2:])
 
 
@@ -288,19 +290,20 @@ def test_the_worst_objects_without_members_join_however_little_they_are_over() -
     active = ActiveSet.of(Task.of(many_cups()), Q)
     over = [row("residual height", f"c{index}", -0.001 * index) for index in range(1, 13)]
     one = replace(active, members=frozenset({("c1", "")}))
-    worst = one.after(judgement(*over, row("slip", "c2", -0.001), row("slip", "c3", 0.001)))
+    worst = next_set(one, judgement(*over, row("slip", "c2", -0.001), row("slip", "c3", 0.001)))
     assert members(worst) == ["c1", "c2", "c9", "c10", "c11", "c12"]  # four of each constraint
 
 
 def test_objects_without_members_join_with_the_modes_and_like_ones_after_them() -> None:
     active = ActiveSet.of(Task.of(many_cups(slosh_modes=2)), Q, frozenset({("c1", ""), ("c2", "")}))
-    grown = active.after(
-        judgement(*(row("slosh height", name, -0.001) for name in ("c1", "c3")), row("slip", "c4", 0.1))
+    grown = next_set(
+        active, judgement(*(row("slosh height", name, -0.001) for name in ("c1", "c3")), row("slip", "c4", 0.1))
     )
     assert members(grown) == ["c1", "c2", "c3"] and grown.refined == {"c1", "c3"}
     like = ActiveSet.of(Task.of(grid_of_cups(planning={"intervals": 40, "slosh_modes": 2})), Q)
     assert (
-        like.after(judgement(row("slosh height", "c1", -0.1), row("slosh height", "c5", -0.1))).members == like.members
+        next_set(like, judgement(row("slosh height", "c1", -0.1), row("slosh height", "c5", -0.1))).members
+        == like.members
     )
 
 
@@ -326,7 +329,7 @@ def test_the_worst_variant_of_an_object_joins(uncertain: Task) -> None:
     active = ActiveSet.of(uncertain, Q)
     low, *_, high = (item for item in uncertain.variants[0] if "fill" in item.text)
     corners = (row("slosh height", "c1", -0.1, low.text), row("slosh height", "c1", -0.2, high.text))
-    grown = active.after(judgement(corners=corners))
+    grown = next_set(active, judgement(corners=corners))
     assert grown.members == active.members | {("c1", high.text)}
     assert members(grown)[:2] == ["c1", f"c1 at {high.text}"]
 
@@ -334,7 +337,7 @@ def test_the_worst_variant_of_an_object_joins(uncertain: Task) -> None:
 def test_a_variant_outside_tightens_the_members_of_its_object(uncertain: Task) -> None:
     active = ActiveSet.of(uncertain, Q)
     low = next(item for item in uncertain.variants[0] if "fill" in item.text)
-    tightened = active.after(judgement(corners=(row("slosh height", "c1", -0.003, low.text),)))
+    tightened = next_set(active, judgement(corners=(row("slosh height", "c1", -0.003, low.text),)))
     assert raised(active, tightened) == {("slosh height", "c1")}
 
 
@@ -390,8 +393,7 @@ def test_distances_join_once_the_joints_are_in_their_ranges() -> None:
     joint, distance = RowId("joint position", "fr3_joint5"), RowId("clearance", "tray to fr3_link5")
     assert {joint, distance} <= broken and distance not in within.rows
     # what the optimiser left out as far away
-    following = replace(within, rows=within.rows - {row for row in broken if row.constraint == joint.constraint}).after(
-        judgement
-    )
+    without_joints = within.rows - {row for row in broken if row.constraint == joint.constraint}
+    following = next_set(replace(within, rows=without_joints), judgement)
     assert joint in following.rows and distance not in following.rows
-    assert distance in following.after(judgement).rows  # no row is left out for good
+    assert distance in next_set(following, judgement).rows  # no row is left out for good

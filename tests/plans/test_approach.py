@@ -27,9 +27,10 @@ from nospill.plans.approach import (
     with_approach,
 )
 from nospill.plans.loading import load_plan
-from nospill.plans.plan import Plan, failed_summary
+from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
 from nospill.plans.settling import AFTER_APPROACH, settling_time
+from nospill.plans.summary import failed_summary
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scene.obstacles import Obstacle
 from tests.builders import plan_for

@@ -18,8 +18,9 @@ from nospill.errors import PlanFolderError, ScenarioError
 from nospill.export.plan_files import compare_plan_files
 from nospill.laws.constraints import BY_NAME
 from nospill.plans.loading import load_plan
-from nospill.plans.plan import SUMMARY_KEYS, Plan, failed_summary
+from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, Starts, motion_maxima
+from nospill.plans.summary import SUMMARY_KEYS, failed_summary
 from nospill.plans.warnings.record import PlanWarning
 from nospill.scenario import read_scenario
 from nospill.transcription.starting_motions import Start

@@ -18,6 +18,7 @@ from nospill.potential_flow.nonlinear import full_flow
 from nospill.potential_flow.orders import LinearTerms, linear_terms
 from nospill.potential_flow.solving import flow_states, whole_flow
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
+from tests.compiling import own_library
 from tests.hasty import COMPILER
 from tests.waters import STILL, cup, tub
 
@@ -28,12 +29,7 @@ STEP = 1e-3
 @pytest.fixture(scope="module", autouse=True)
 def library(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """The compiled flow, of this module's tests alone."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("CC", COMPILER)
-        patch.setenv("NOSPILL_COMPILE", "wait")
-        patch.setenv("NOSPILL_CACHE", str(tmp_path_factory.mktemp("flow")))
-        found = small_library("flow", wait=True)
-        assert found is not None
+    with own_library("flow", tmp_path_factory.mktemp("flow")) as found:
         yield found
 
 

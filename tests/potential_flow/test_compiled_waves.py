@@ -16,6 +16,7 @@ from nospill.potential_flow import Driven, driven, second_order_states
 from nospill.potential_flow.compiled_waves import compiled_waves
 from nospill.scene.cargo import Cargo
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
+from tests.compiling import own_library
 from tests.hasty import COMPILER
 from tests.waters import cup, pushed_and_turned, tub
 
@@ -31,12 +32,7 @@ _LIQUIDS = [
 @pytest.fixture(scope="module", autouse=True)
 def library(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """The compiled flow, of this module's tests alone."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("CC", COMPILER)
-        patch.setenv("NOSPILL_COMPILE", "wait")
-        patch.setenv("NOSPILL_CACHE", str(tmp_path_factory.mktemp("waves")))
-        found = small_library("flow", wait=True)
-        assert found is not None
+    with own_library("flow", tmp_path_factory.mktemp("waves")) as found:
         yield found
 
 

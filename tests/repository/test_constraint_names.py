@@ -27,7 +27,7 @@ OTHER_MEANINGS = {
         "identification/design.py": "key of a scenario",
         "certification/record_checks.py": "column of a trajectory",
         "certification/traces.py": "name of a symbol",
-        "plans/plan.py": "attribute of the largest figures",
+        "plans/summary.py": "attribute of the largest figures",
         "plots/figures.py": "name of a figure",
         "report/page.py": "name of a figure",
         "studio/fields.py": "key of a scenario",

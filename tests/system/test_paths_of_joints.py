@@ -14,7 +14,7 @@ import nospill as ns
 from nospill.certification.certificate import certify, judge_motion
 from nospill.core.attitudes import angles_between, matrices, quaternions
 from nospill.errors import NoSolutionError, ScenarioError
-from nospill.laws.parameters import Freedom
+from nospill.laws.structure import Freedom
 from nospill.planning.retiming import retimed_scene
 from nospill.robots.kinematics.forward import kinematics
 from nospill.transcription.path_expression import PathPiece

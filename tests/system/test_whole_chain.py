@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 from nospill.cli import app
 from nospill.cli.progress import CERTIFICATE, COARSE, FINE
-from nospill.plans.plan import SUMMARY_KEYS
+from nospill.plans.summary import SUMMARY_KEYS
 from nospill.scenario.examples import example_path
 from tests.waiting import finished, run_python
 

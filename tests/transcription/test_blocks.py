@@ -18,11 +18,11 @@ from nospill.core.frames import SX, FrameMotion
 from nospill.core.trees import constants
 from nospill.laws.constraints import CONSTRAINTS
 from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
-from nospill.laws.parameters import Freedom
 from nospill.laws.sample import Sample, driven_state, object_motion, sample_objects, split_states
 from nospill.laws.scene_parameters import structure_of
 from nospill.laws.slosh.driven_modes import driven_residual
 from nospill.laws.slosh.motion import motion_residual
+from nospill.laws.structure import Freedom
 from nospill.scenario import read_scenario
 from nospill.scene.carriers import with_modes
 from nospill.scene.scene import Scene

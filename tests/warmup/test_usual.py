@@ -13,8 +13,8 @@ from nospill.compiled import codegen
 from nospill.compiled.kept import forget_functions
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import object_kind, tray_kind
-from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
+from nospill.laws.structure import Structure
 from nospill.robots.kinematics.forward import kinematics
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scenario.settings import changed_table

@@ -19,15 +19,10 @@ from nospill.compiled import codegen
 from nospill.core.batches import evaluate
 from nospill.core.frames import SX
 from nospill.laws.constraints.residual_height import height_bound
-from nospill.laws.parameters import (
-    YAW_AXES,
-    ObjectNumbers,
-    ObjectStructure,
-    object_parameter_count,
-    symbolic_object_numbers,
-)
+from nospill.laws.parameters import ObjectNumbers, object_parameter_count, symbolic_object_numbers
 from nospill.laws.sample import object_states
 from nospill.laws.slosh.residual import free_states
+from nospill.laws.structure import YAW_AXES, ObjectStructure
 from nospill.scene.sloshing.modes import WALL_POINTS
 
 _STEP = 1e-3

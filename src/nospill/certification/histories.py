@@ -21,8 +21,8 @@ from nospill.core.trees import flatten
 from nospill.errors import ScenarioError
 from nospill.laws.constraints.base import RowId
 from nospill.laws.kinds import numbers_of_object, object_kind
-from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import numbers_of, structure_of
+from nospill.laws.structure import Structure
 from nospill.scene.cargo import Cargo
 from nospill.scene.scene import Scene
 

@@ -19,11 +19,12 @@ from nospill.compiled.kept import kept
 from nospill.core.frames import SX, FrameMotion, body_motion
 from nospill.core.hermite import cubic_hermite, cubic_hermite_slope
 from nospill.laws.kinds import object_kind, symbolic_object
-from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.laws.parameters import SceneNumbers
 from nospill.laws.sample import coordinate_count, object_motion
 from nospill.laws.scene_parameters import flat_object_numbers, initial_coordinates, structure_of
 from nospill.laws.slosh.integrate import SHARED, STEPS, pieces, refined, runge_kutta_step, step_sequence
 from nospill.laws.slosh.motion import modal_accelerations
+from nospill.laws.structure import Structure
 from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.robots.kinematics.forward import ToolMotions, kinematics

@@ -31,9 +31,10 @@ from nospill.laws.kinds import (
     symbolic_tray,
     tray_kind,
 )
-from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.laws.parameters import SceneNumbers
 from nospill.laws.sample import Sample, coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import flat_object_numbers, numbers_of, structure_of
+from nospill.laws.structure import Structure
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointSamples
 from nospill.motion.path_deviation import recorded_freedom
 from nospill.motion.trajectory import Trajectory

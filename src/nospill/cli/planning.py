@@ -126,7 +126,7 @@ def plan(
             outcome = error
     if isinstance(outcome, NoSolutionError):
         if as_json:
-            from nospill.plans.plan import failed_summary
+            from nospill.plans.summary import failed_summary
 
             print_json(failed_summary(scene.name, one_line(outcome)))
         raise NoSolutionError(f"{scenario}: {outcome}", outcome.reason)

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion
-from nospill.laws.parameters import YAW_AXES, ObjectNumbers, ObjectStructure
+from nospill.laws.parameters import ObjectNumbers
 from nospill.laws.slosh.motion import OscillatorState, apparent_acceleration, modal_place, yaw_acceleration
+from nospill.laws.structure import YAW_AXES, ObjectStructure
 from nospill.scene.scene import Fidelity
 
 

@@ -17,15 +17,8 @@ from nospill.compiled import codegen
 from nospill.compiled.codegen import Functions, Shared
 from nospill.core.frames import SX
 from nospill.core.trees import flatten, symbolic
-from nospill.laws.parameters import (
-    Number,
-    ObjectNumbers,
-    ObjectStructure,
-    SceneNumbers,
-    Structure,
-    blank_numbers,
-    with_known_curvatures,
-)
+from nospill.laws.parameters import Number, ObjectNumbers, SceneNumbers, blank_numbers, with_known_curvatures
+from nospill.laws.structure import ObjectStructure, Structure
 from nospill.scene.scene import EndCondition
 
 

@@ -8,9 +8,10 @@ import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion
 from nospill.laws.contact import Wrench, contact_wrench
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, SceneNumbers, Structure
+from nospill.laws.parameters import ObjectNumbers, SceneNumbers
 from nospill.laws.slosh.height import surface_vector, wall_vectors, yaw_heights
 from nospill.laws.slosh.motion import OscillatorState
+from nospill.laws.structure import ObjectStructure, Structure
 
 
 @dataclass(frozen=True, slots=True)

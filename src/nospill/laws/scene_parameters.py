@@ -14,17 +14,15 @@ from nospill.core.arrays import parallel_axis, read_only
 from nospill.core.trees import flatten
 from nospill.laws.kinds import numbers_of_object
 from nospill.laws.parameters import (
-    YAW_AXES,
     BrakingNumbers,
     ObjectNumbers,
-    ObjectStructure,
     OscillatorNumbers,
     SceneNumbers,
-    Structure,
     ViaNumbers,
     blank_numbers,
     sources,
 )
+from nospill.laws.structure import YAW_AXES, ObjectStructure, Structure
 from nospill.potential_flow.driven_numbers import driven_count, driven_vector
 from nospill.robots.description.urdf import without_place
 from nospill.robots.description.urdf_tree import rotation_of

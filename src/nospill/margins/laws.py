@@ -25,9 +25,10 @@ from nospill.laws.constraints.base import Constraint, EvaluationPoint
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.kinds import limited_object_kind, object_kind
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, Structure
+from nospill.laws.parameters import ObjectNumbers
 from nospill.laws.scene_parameters import object_numbers, structure_of
 from nospill.laws.slosh.integrate import integrate
+from nospill.laws.structure import ObjectStructure, Structure
 from nospill.motion.control import commanded, followed
 from nospill.motion.interpolation import QUINTIC_SPLINE, JointMotion
 from nospill.motion.tracking import swung

@@ -18,6 +18,7 @@ from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, exported, problem_about, solved
 from nospill.planning.log import Log
+from nospill.planning.next_set import lighten, next_set, relax
 from nospill.planning.widest_range import holds_from, holds_further
 from nospill.transcription.export_samples import on_grid
 from nospill.transcription.passages import bounded_as
@@ -74,7 +75,7 @@ def _with_modes(coarse: Candidate, rows: Collection[RowId], log: Log) -> Candida
     if coarse.active.task.scene.planned_modes > 1 and any(row.constraint in LIQUID_NAMES for row in rows):
         with suppress(NoSolutionError):
             judged = _judge(coarse, log)
-            after = coarse.active.after(judged.judgement)
+            after = next_set(coarse.active, judged.judgement)
             active = after.with_rows(after.rows.union(rows))
             if active.refined:
                 start = _smoothed(coarse, active, log) or judged.trajectory
@@ -157,7 +158,7 @@ def _relaxed(judged: Judged, log: Log, least: float) -> Judged:
     last, end = judged.candidate, judged.trajectory.end_time
     if not judged.judgement.certificate.ok or not last.has_converged or log.out_of_time:
         return judged
-    relaxed = last.active.relaxed(judged.judgement)
+    relaxed = relax(last.active, judged.judgement)
     by_flow = bool(last.active.task.may_be_driven)
     worth = max(least, _WORTH_WITH_MARGINS if last.active.margins or by_flow else 0.0)
     if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
@@ -174,7 +175,7 @@ def _lightened(judged: Judged, log: Log) -> Judged:
     """A certified motion whose jerks weigh more than it needs, refined again from less while that shortens it."""
     for _ in range(_LIGHTENED if judged.candidate.active.margins else 1):
         active, end = judged.candidate.active, judged.trajectory.end_time
-        lighter = active.lightened(judged.judgement) if judged.judgement.certificate.ok else active
+        lighter = lighten(active, judged.judgement) if judged.judgement.certificate.ok else active
         if lighter is active or log.out_of_time:
             return judged
         refined = None
@@ -209,7 +210,7 @@ def _refine_until_certified(
         if judged.trajectory.end_time >= below:
             break
         before, certified = judged.candidate, judged.judgement.certificate.ok
-        active = before.active.after(judged.judgement, before.solution.slack)
+        active = next_set(before.active, judged.judgement, before.solution.slack)
         grows = active.scene is not before.active.scene
         if active is before.active or (certified and grows) or active.smoothness.factor > heaviest:
             break

@@ -25,7 +25,8 @@ from nospill.plans.names import (
     SUMMARY_FILE,
     TRAJECTORY_FILE,
 )
-from nospill.plans.plan import Plan, restored_records
+from nospill.plans.plan import Plan
+from nospill.plans.summary import restored_records
 from nospill.plans.warnings.record import PlanWarning
 from nospill.scenario import read_scenario
 from nospill.scene.limits import LimitRecord

@@ -21,11 +21,12 @@ from nospill.core.frames import SX, body_motion
 from nospill.core.trees import constants, flatten
 from nospill.errors import ModelError, ScenarioError
 from nospill.laws.kinds import lone_object_kind
-from nospill.laws.parameters import YAW_AXES, ObjectNumbers, ObjectStructure
+from nospill.laws.parameters import ObjectNumbers
 from nospill.laws.sample import object_states
 from nospill.laws.scene_parameters import object_numbers, object_structure
 from nospill.laws.slosh.height import crest, surface_vector, yaw_heights
 from nospill.laws.slosh.integrate import integrate, refined
+from nospill.laws.structure import YAW_AXES, ObjectStructure
 from nospill.scene.cargo import Cargo
 from nospill.scene.carriers import with_modes
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY, Oscillator, SloshModes

@@ -16,10 +16,10 @@ from nospill.core.frames import SX, body_motion
 from nospill.core.trees import flatten
 from nospill.errors import ModelError
 from nospill.laws.kinds import motion_kind, numbers_of_object, object_kind, symbolic_object
-from nospill.laws.parameters import Structure
 from nospill.laws.sample import coordinate_count, sample_objects, split_states
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.height import crest
+from nospill.laws.structure import Structure
 from nospill.motion.trajectory import SloshTrack, Trajectory
 from nospill.paths.joint_curves import JointCurve
 from nospill.robots.joint_paths.search import JointPath

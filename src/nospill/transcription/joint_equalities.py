@@ -14,7 +14,8 @@ from typing import Any
 import casadi as ca
 
 from nospill.core.frames import SX
-from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.laws.parameters import SceneNumbers
+from nospill.laws.structure import Structure
 from nospill.robots.kinematics.chain import about_z
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.regularity import determinant_expression

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from nospill.core.frames import SX
-from nospill.laws.parameters import Freedom, Structure
 from nospill.laws.sample import coordinate_count
+from nospill.laws.structure import Freedom, Structure
 
 IntegratorChain = tuple[SX, SX, SX]
 """Value, rate and acceleration."""

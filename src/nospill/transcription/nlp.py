@@ -16,7 +16,8 @@ import numpy as np
 
 from nospill.core.batches import call
 from nospill.core.trees import flatten
-from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.laws.parameters import SceneNumbers
+from nospill.laws.structure import Structure
 from nospill.transcription.block_calls import BlockCalls, Multipliers, hessian_parts, jacobian_parts, row_parts
 from nospill.transcription.clearance_planes import Groups, number_count, variable_count
 from nospill.transcription.clearance_rows import ClearanceRows

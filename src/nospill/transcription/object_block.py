@@ -21,10 +21,11 @@ from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.contact import Wrench
 from nospill.laws.kinds import functions_of_kind, limited_object_kind, symbolic_object
-from nospill.laws.parameters import ObjectStructure, SceneNumbers, Structure
+from nospill.laws.parameters import SceneNumbers
 from nospill.laws.sample import ObjectSample, Sample, driven_state, object_motion, object_states, sample_objects
 from nospill.laws.slosh.driven_modes import driven_residual
 from nospill.laws.slosh.motion import motion_residual
+from nospill.laws.structure import ObjectStructure, Structure
 from nospill.transcription.collocation import gauss_step, interior
 from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.stage import RowCollector, RowIndex, Rows

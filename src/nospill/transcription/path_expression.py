@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from nospill.core.frames import SX
-from nospill.laws.parameters import Structure
+from nospill.laws.structure import Structure
 from nospill.paths.joint_curves import POSE
 
 _USUAL_DEGREE = 5

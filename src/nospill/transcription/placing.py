@@ -17,7 +17,8 @@ from nospill.core.trees import flatten, places
 from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import limited_object_kind, numbers_of_object, numbers_of_tray
-from nospill.laws.parameters import SceneNumbers, Structure, blank_numbers
+from nospill.laws.parameters import SceneNumbers, blank_numbers
+from nospill.laws.structure import Structure
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.object_block import EndBlock, ObjectBlock, constraint_names
 from nospill.transcription.path_expression import path_table, piece_degree

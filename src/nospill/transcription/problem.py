@@ -13,9 +13,10 @@ import numpy as np
 
 from nospill.laws.constraints import by_name, constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, RowId
-from nospill.laws.parameters import Number, SceneNumbers, Structure
+from nospill.laws.parameters import Number, SceneNumbers
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
 from nospill.laws.slosh.driven_modes import driven_frequencies
+from nospill.laws.structure import Structure
 from nospill.robots.kinematics.regularity import determinants
 from nospill.scene.cargo import Cargo
 from nospill.scene.initial_state import InitialState

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.laws.parameters import Number, Structure
+from nospill.laws.parameters import Number
+from nospill.laws.structure import Structure
 
 
 @dataclass(frozen=True, slots=True)

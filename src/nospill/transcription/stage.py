@@ -12,8 +12,8 @@ import numpy as np
 from nospill.core.frames import SX
 from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint, smooth_rows
-from nospill.laws.parameters import Structure
 from nospill.laws.sample import Sample
+from nospill.laws.structure import Structure
 
 
 class RowIndex(NamedTuple):

@@ -12,7 +12,7 @@ import numpy as np
 
 from nospill.compiled.kept import kept
 from nospill.laws.constraints.base import EvaluationPoint
-from nospill.laws.parameters import Structure
+from nospill.laws.structure import Structure
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.object_block import end_block, object_block
 from nospill.transcription.placing import (

@@ -23,8 +23,9 @@ from nospill.core.trees import flatten, symbolic
 from nospill.laws.constraints import constraints_of
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import functions_of_kind, symbolic_tray, tray_kind
-from nospill.laws.parameters import SceneNumbers, Structure
+from nospill.laws.parameters import SceneNumbers
 from nospill.laws.sample import Sample
+from nospill.laws.structure import Structure
 from nospill.transcription.joint_equalities import joint_equalities
 from nospill.transcription.layout import Layout, layout_of
 from nospill.transcription.lifted_variables import LiftedVariables

@@ -14,7 +14,7 @@ from functools import lru_cache
 import casadi as ca
 
 from nospill.core.frames import SX, VERTICAL, FrameMotion, body_motion
-from nospill.laws.parameters import Freedom
+from nospill.laws.structure import Freedom
 from nospill.paths.joint_curves import POSE
 from nospill.transcription.collocation import POINTS, advance_chain
 from nospill.transcription.layout import IntegratorChain, Layout

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion, tray_rates, tray_rotation
-from nospill.laws.parameters import Freedom
 from nospill.laws.sample import tray_motion
+from nospill.laws.structure import Freedom
 from nospill.transcription.layout import IntegratorChain
 from nospill.transcription.lifted_variables import LiftedVariables
 from nospill.transcription.path_expression import PathPiece

@@ -12,8 +12,8 @@ from nospill.certification.traces import object_figures_function, tray_figures_f
 from nospill.compiled.small_libraries import small_library
 from nospill.laws.constraints.base import EvaluationPoint
 from nospill.laws.kinds import motion_kind, object_kind, tray_kind
-from nospill.laws.parameters import Structure
 from nospill.laws.scene_parameters import structure_of
+from nospill.laws.structure import Structure
 from nospill.robots.description.catalog import ROBOTS
 from nospill.robots.kinematics.forward import ArmChain, kinematics
 from nospill.robots.kinematics.newton_steps import step_functions

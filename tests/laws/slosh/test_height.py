@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from nospill.core.frames import FrameMotion
 from nospill.core.trees import constants
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure, OscillatorNumbers
+from nospill.laws.parameters import ObjectNumbers, OscillatorNumbers
 from nospill.laws.slosh.height import crest, surface_vector
 from nospill.laws.slosh.motion import OscillatorState
+from nospill.laws.structure import ObjectStructure
 from nospill.scene.containers import Box, Cylinder
 from nospill.scene.containers.base import MassProperties
 from nospill.scene.containers.footprints import DiscFootprint, RectangleFootprint

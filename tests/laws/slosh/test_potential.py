@@ -21,10 +21,11 @@ from scipy.special import ive, jv, jvp, roots_legendre
 from nospill.core.frames import FrameMotion, vector
 from nospill.core.trees import constants
 from nospill.laws.contact import contact_wrench
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure
+from nospill.laws.parameters import ObjectNumbers
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.height import surface_vector
 from nospill.laws.slosh.motion import OscillatorState, modal_acceleration
+from nospill.laws.structure import ObjectStructure
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo, Filling
 from nospill.scene.containers import Box, Cylinder

@@ -26,7 +26,7 @@ from nospill.laws.constraints.tray_rates import TrayAcceleration, TraySpeed
 from nospill.laws.constraints.trough import Trough
 from nospill.laws.constraints.twist import Twist
 from nospill.laws.constraints.via import PassedPlace
-from nospill.laws.parameters import Structure
+from nospill.laws.structure import Structure
 from nospill.scene.scene import Scene
 
 CONSTRAINTS: tuple[Constraint, ...] = (

@@ -6,11 +6,12 @@ import casadi as ca
 
 from nospill.core.frames import SX
 from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, MotionKey, Range, Role, liquid_names
-from nospill.laws.parameters import ObjectNumbers, ObjectStructure
+from nospill.laws.parameters import ObjectNumbers
 from nospill.laws.sample import ObjectSample, Sample
 from nospill.laws.slosh.driven_modes import driven_squares
 from nospill.laws.slosh.motion import OscillatorState
 from nospill.laws.slosh.residual import quadrature, residual_bound
+from nospill.laws.structure import ObjectStructure
 from nospill.scene.scene import Scene
 
 STILL_FRACTION = 0.02

@@ -10,9 +10,10 @@ from nospill.errors import ScenarioError
 from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, smooth_rows
 from nospill.laws.constraints.supplied import Supplied
 from nospill.laws.contact import Wrench
-from nospill.laws.parameters import Structure, symbolic_numbers
+from nospill.laws.parameters import symbolic_numbers
 from nospill.laws.sample import ObjectSample, Sample, object_states
 from nospill.laws.scene_parameters import flat_numbers, structure_of
+from nospill.laws.structure import Structure
 from nospill.scene.scene import Scene
 
 _ELSEWHERE = 0.4

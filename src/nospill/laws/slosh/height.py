@@ -5,8 +5,9 @@ from __future__ import annotations
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion
-from nospill.laws.parameters import YAW_AXES, ObjectNumbers, ObjectStructure
+from nospill.laws.parameters import ObjectNumbers
 from nospill.laws.slosh.motion import OscillatorState, horizontal
+from nospill.laws.structure import YAW_AXES, ObjectStructure
 from nospill.scene.sloshing.modes import WALL_POINTS
 
 

@@ -31,7 +31,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from nospill.core.frames import SX, FrameMotion
-from nospill.laws.parameters import YAW_AXES, ObjectNumbers, ObjectStructure, OscillatorNumbers
+from nospill.laws.parameters import ObjectNumbers, OscillatorNumbers
+from nospill.laws.structure import YAW_AXES, ObjectStructure
 
 
 @dataclass(frozen=True, slots=True)
