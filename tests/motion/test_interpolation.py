@@ -91,3 +91,18 @@ def test_spline_leaves_and_reaches_rest_smoothly():
     assert exact.speed is not None
     np.testing.assert_allclose(motion(fine), exact.position, atol=1e-6)
     np.testing.assert_allclose(motion(fine, 1), exact.speed, atol=1e-3)
+
+
+def test_a_motion_begins_with_the_speed_it_states_whatever_its_jerk():
+    """Samples of a cubic, whose jerk jumps where they begin; far from their end the spline is that cubic."""
+    t, curve = np.arange(61) / 125.0, Polynomial([0.2, 1.1, -3.0, 400.0])
+    columns = [curve.deriv(order)(t)[:, None] for order in range(3)]
+    motion = QUINTIC_SPLINE.motion(JointSamples(t, *columns, in_motion=True))
+    early = np.linspace(0.0, 0.16, 50)
+    for order in range(3):
+        np.testing.assert_allclose(motion(early, order)[:, 0], curve.deriv(order)(early), rtol=1e-9, atol=1e-9)
+    # with other first rates the samples are passed nevertheless
+    other = [columns[0], columns[1] + 0.3, columns[2] - 2.0]
+    bent = QUINTIC_SPLINE.motion(JointSamples(t, *other, in_motion=True))
+    np.testing.assert_allclose([bent(t[:1], order)[0, 0] for order in (1, 2)], [1.4, -8.0], rtol=1e-9)
+    np.testing.assert_allclose(bent(t), columns[0], atol=1e-12)

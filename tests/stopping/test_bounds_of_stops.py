@@ -65,3 +65,14 @@ def test_what_is_stricter_takes_no_less() -> None:
 
 def test_where_small_swings_allow_no_stop_there_is_no_bound() -> None:
     assert soonest(replace(CUP, displacement=np.array([0.02])), 1.0) == 0.0
+
+
+def test_what_is_asked_for_above_a_time_is_that_or_nothing() -> None:
+    chain = np.array([0.3, 1.0, 0.0])
+    for found, asked in (
+        (soonest_rest(chain, 1000.0), lambda above: soonest_rest(chain, 1000.0, above=above)),
+        (soonest(CUP, 2.0), lambda above: soonest(CUP, 2.0, above=above)),
+    ):
+        assert found > 0.1
+        assert asked(0.5 * found) == asked(found - 0.015) == found
+        assert asked(found + 0.011) == 0.0

@@ -21,7 +21,7 @@ from nospill.certification.record_checks import (
     require_same_joints_and_liquids,
     tilt_traces,
 )
-from nospill.certification.replay import MINIMUM_RATE, Replay, replay
+from nospill.certification.replay import MINIMUM_RATE, Replay, coarse_replays, replay
 from nospill.certification.run import COMMAND, command_traces, of_joints_alone, run_of
 from nospill.certification.traces import constraint_traces
 from nospill.certification.tracked_rows import Followed
@@ -29,6 +29,7 @@ from nospill.certification.tracking_band import Band, OverBand, band_of
 from nospill.certification.verdict import Certificate, Row, Trace, condensed, fullest, keep_fullest, worst_row
 from nospill.collisions.pairs import self_collision
 from nospill.core.blas_threads import one_blas_thread
+from nospill.errors import ModelError
 from nospill.laws.constraints import constrained
 from nospill.laws.constraints.base import EVERYWHERE, Constraint, EvaluationPoint, RowId
 from nospill.laws.slosh.integrate import require_converged
@@ -41,6 +42,10 @@ _OF_JOINTS = tuple(point for point in EVERYWHERE if point is not EvaluationPoint
 """What follows from the joints alone; controls are those of the record."""
 _NEAR = 0.9
 """Use of the limit above which a pair of bodies is followed over time."""
+_ROUGH_RATE = 1000.0
+"""Hz, of the grid of a rough look."""
+_FARTHEST = 1.0
+"""m; a liquid that moves farther in a rough look has left its cup long before."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,6 +198,31 @@ def judge_first(trajectory: Trajectory, scene: Scene, *, motion: JointMotion | N
     points = EVERYWHERE if run.record is held else _OF_JOINTS
     found = _limits(run.record, scene, motion=run.motion, rate=MINIMUM_RATE, points=points)
     return replace(found, end_time=trajectory.end_time)
+
+
+@one_blas_thread()
+def judge_roughly(trajectory: Trajectory, scene: Scene, *, motion: JointMotion | None = None) -> Judgement:
+    """A look at a motion that is going to be changed where it breaks a limit, in two fifths of `judge_first`'s time.
+
+    Of the objects as stated at 1 kHz, the liquids integrated once, and without what lies between the instants: uses
+    agree with those of a verdict within 0.5 % of a limit, 2 % where accelerations jump. It certifies nothing.
+
+    Raises:
+        ModelError: a liquid leaves its cup.
+    """
+    held = held_trajectory(trajectory, scene.motion)
+    run = run_of(held, scene.controller, motion)
+    record, points = run.record, EVERYWHERE if run.record is held else _OF_JOINTS
+    rate = record.rate * float(np.ceil(_ROUGH_RATE / record.rate - 1e-9))  # jerks jump at the samples
+    ends = float(record.t[0]), float(record.t[-1])
+    played = coarse_replays(scene, [run.motion or record.motion], *ends, rate=rate)[0]
+    if not np.max(np.abs(played.slosh_displacement), initial=0.0) < _FARTHEST:  # that may be no number
+        raise ModelError("slosh cannot be integrated along this motion: the liquid leaves its cup")
+    traces = constraint_traces(record, scene, played, points=points)
+    worst = fullest(traces)
+    rows = tuple(map(worst_row, worst.values()))
+    verdict = Certificate(ok=all(row.ok for row in rows) and not scene.unjudged, grid_hz=played.rate, rows=rows)
+    return Judgement(verdict, traces, played, trajectory.end_time, fullest=worst)
 
 
 def certify_joints(

@@ -38,6 +38,7 @@ def margins_of_waves(
     margins: Mapping[RowId, Margin],
     judgement: Judgement,
     labels: Callable[[str], Iterable[str]],
+    pace: float = 1.0,
 ) -> tuple[dict[RowId, Margin], dict[RowId, float]]:
     """Margins of the heights of second order that are near their limits or above them.
 
@@ -49,6 +50,7 @@ def margins_of_waves(
         margins: of its rows.
         judgement: of its answer.
         labels: subject of the certificate -> what it is called in the problem, each of its variants.
+        pace: factor on what margins grow by.
     """
     found: dict[RowId, Margin] = {}
     driven: dict[RowId, float] = {}
@@ -60,7 +62,7 @@ def margins_of_waves(
         scale = _calmer(trace)
         first = _greatest(part, scale**2 * _added(trace))
         more = _greatest(part, np.maximum(_excess(trace), 0.0))
-        more = np.where(more > 0.0, np.minimum(_STRONGER * more, _MOST_STEP) + _MORE, 0.0)
+        more = np.where(more > 0.0, np.minimum(_STRONGER * pace * more, _MOST_STEP) + _MORE * pace, 0.0)
         around = np.pad(more, _AROUND)
         more = np.max([around[shift : shift + len(more)] for shift in range(2 * _AROUND + 1)], axis=0)
         for label in labels(trace.subject):

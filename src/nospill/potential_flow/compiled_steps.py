@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from nospill.compiled.cache_folder import cache_folder, mode
 from nospill.compiled.small_libraries import small_library
 from nospill.potential_flow.orders import LinearTerms
 from nospill.potential_flow.surface_modes import Polar
@@ -82,9 +83,19 @@ def _aligned(*shape: int) -> np.ndarray:
 
 
 def flow_library() -> ctypes.CDLL | None:
-    """The library of flows; None where it cannot be had, or not yet."""
-    library = small_library("flow", wait=False)
-    return None if library is None else _loaded(library)
+    """The library of flows; None where it cannot be had, or not yet. One that is loaded is not looked for again."""
+    place = mode(), cache_folder()
+    if place not in _IN_USE:
+        library = small_library("flow", wait=False)
+        code = None if library is None else _loaded(library)
+        if code is None:
+            return None
+        _IN_USE[place] = code
+    return _IN_USE[place]
+
+
+_IN_USE: dict[tuple[str, Path], ctypes.CDLL] = {}
+"""By how and where libraries are compiled."""
 
 
 @lru_cache(maxsize=8)

@@ -56,16 +56,19 @@ def bound_of(scene: Scene, state: MotionState) -> Bound:
     """
     motions = tray_from_joints(scene, [column[None] for column in state.arm.joints])[0]
     objects = _objects(scene, state, motions)
-    bounds = [
-        *_of_chains(scene, state),
-        *_of_arm(scene, state, motions),
-        *(_of_friction(scene, item) for item in objects if _stands(item.cargo)),
-    ]
+    bounds = [*_of_arm(scene, state, motions), *(_of_friction(scene, item) for item in objects if _stands(item.cargo))]
+    # by linear programs, each asked only whether it says more than those before
+    largest = _with_chains(scene, state, max(bounds, key=_duration, default=NO_BOUND))
     if _level(scene, state):
         for item in objects:
             if item.cargo.filling is not None and not item.cargo.filling.lid and _round(item.cargo):
-                bounds.append(Bound(_of_slosh(scene, item, state), f"friction and liquid of {item.cargo.name}"))
-    return max(bounds, key=lambda bound: bound.duration, default=NO_BOUND)
+                found = _of_slosh(scene, item, state, largest.duration)
+                largest = max(largest, Bound(found, f"friction and liquid of {item.cargo.name}"), key=_duration)
+    return largest
+
+
+def _duration(bound: Bound) -> float:
+    return bound.duration
 
 
 def _objects(scene: Scene, state: MotionState, motions: ToolMotions) -> list[_Carried]:
@@ -108,14 +111,15 @@ def _level(scene: Scene, state: MotionState) -> bool:
     return scene.motion.is_given and scene.path.joint_curve is None and bool(flat)
 
 
-def _of_chains(scene: Scene, state: MotionState) -> list[Bound]:
-    """Of progress, wherever it ends, and of the tilt angles, which end at zero."""
+def _with_chains(scene: Scene, state: MotionState, largest: Bound) -> Bound:
+    """The largest of a bound and those of progress, wherever it ends, and of the tilt angles, which end at zero."""
     rules, along, tilts = scene.motion, state.arm.along[0], state.arm.tilts
-    bounds = [Bound(soonest_rest(along[1:], rules.path_jerk_limit), "jerk along the path")]
-    if rules.tilt_free:
-        for name, tilt in zip(TILT_ANGLES, tilts, strict=True):
-            bounds.append(Bound(soonest_rest(tilt, rules.tilt_jerk_limit, rules.max_tilt), f"jerk of {name}"))
-    return bounds
+    tilting = zip(TILT_ANGLES, tilts, strict=True) if rules.tilt_free else ()
+    chains = [(f"jerk of {name}", tilt, rules.tilt_jerk_limit, rules.max_tilt) for name, tilt in tilting]
+    for name, chain, jerk, most in (*chains, ("jerk along the path", along[1:], rules.path_jerk_limit, math.inf)):
+        found = soonest_rest(chain, jerk, most, above=largest.duration)
+        largest = max(largest, Bound(found, name), key=_duration)
+    return largest
 
 
 def _of_arm(scene: Scene, state: MotionState, motions: ToolMotions) -> list[Bound]:
@@ -157,8 +161,8 @@ def _of_friction(scene: Scene, item: _Carried) -> Bound:
     return Bound(max(0.0, float(time)), name)
 
 
-def _of_slosh(scene: Scene, item: _Carried, state: MotionState) -> float:
-    """The bound of one cup on a straight way of its own, s; 0 where its liquid alone says nothing."""
+def _of_slosh(scene: Scene, item: _Carried, state: MotionState, above: float) -> float:
+    """The bound of one cup on a straight way of its own, s; 0 where its liquid alone says no more than `above`."""
     numbers, speed = item.numbers, float(np.hypot(*item.velocity[:2]))
     if speed < 1e-6:
         return 0.0
@@ -180,4 +184,4 @@ def _of_slosh(scene: Scene, item: _Carried, state: MotionState) -> float:
         highest=float(numbers.max_slosh_height),
         residual=scene.motion.residual_fraction * float(numbers.max_slosh_height),
     )
-    return soonest(case, state.rest.end_time)
+    return soonest(case, state.rest.end_time, above=above)

@@ -13,17 +13,19 @@ _LONGEST = 5.0
 """s; nothing that is planned takes longer to come to rest."""
 
 
-def soonest_rest(state: np.ndarray, most: float, largest: float = math.inf) -> float:
+def soonest_rest(state: np.ndarray, most: float, largest: float = math.inf, *, above: float = 0.0) -> float:
     """The longest time of a grid, s, in which a chain cannot come to rest at zero.
 
     Args:
         state: (k,) value and its derivatives; the derivative after the last one is the input.
         most: largest input.
         largest: bound on the value on the way.
+        above: s; a shorter time is of no interest, and 0 is the answer: one program in the place of a search.
     """
-    if not np.any(state):
+    low = int(above / _STEP)
+    if not np.any(state) or (low and _rests(state, most, largest, low)):
         return 0.0
-    low, high = 0, 1
+    high = max(1, 2 * low)
     while not _rests(state, most, largest, high) and high * _STEP < _LONGEST:
         low, high = high, 2 * high
     while high - low > 1:

@@ -30,14 +30,14 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import problem_about
 from nospill.planning.task import Task
 from nospill.plans.plan import Plan
-from nospill.plans.state import STOP_INTERVALS, MotionState
+from nospill.plans.state import MotionState
 from nospill.plans.stops import NO_BOUND, Stop
 from nospill.robots.joint_paths.search import JointPath, path_through
 from nospill.scene.scene import Fidelity, Scene
 from nospill.stopping.bounds import bound_of
 from nospill.stopping.splices import Splice
 from nospill.stopping.tightening import broken, faded, gentler, tightened
-from nospill.stopping.verdicts import Verdict, judged_stop, swinging_on
+from nospill.stopping.verdicts import Verdict, looked_at, swinging_on
 from nospill.transcription.export_samples import export_samples
 from nospill.transcription.margins_along import Margin
 from nospill.transcription.solvers import solve
@@ -49,8 +49,12 @@ from nospill.transcription.trajectory_start import from_trajectory
 
 _PARTS = (0.5, 1.0, 0.3)
 """Of what is left of the plan: durations of the smooth motions from which a stop is looked for from afar."""
+_INTERVALS = 24
+"""Of the grid: with 22 two stops of `shelf-to-table` are missed, with 25 `matrix-liquid-tilt` stops later."""
 _TIGHTENED = 16
 """How often back-off and margins are raised; what is nearly certified is solved again in a few steps."""
+_PACE = 1.2
+"""What back-off and margins are raised by grows with each round by this factor."""
 _OF_SUM = 0.3
 """First back-off of a residual height of several modes: the judge sums them, the optimiser adds their squares."""
 _MODES = 2
@@ -59,9 +63,11 @@ _BACKOFF_KEPT = 0.8
 """Part of the back-off beyond the first one with which the stop from the next instant begins: all of it never fell."""
 _TOLERANCES = Tolerances(stationarity=1e-3, violation=1e-5, complementarity=5e-6, linear_system=1e-6, refinements=0)
 """Every answer is judged, and tightened where need be: the last iterations shorten it by parts in 10,000."""
+_FIRST_TOLERANCES = replace(_TOLERANCES, stationarity=3e-3, violation=1e-4, complementarity=5e-5)
+"""Of the first answer from an instant, which hardly ever is certified: what is tightened starts from it."""
 _SMOOTH, _REST, _WARM = (1e-2, 1e-3), (1e-4, 1e-4), (None, 5e-4)
 """First barrier, and how far from its bounds a motion is moved: the rest of a plan keeps them, smooth ones do not."""
-_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 80, 150, 30.0
+_WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 50, 100, 30.0
 _SAME = 1e-3
 """Ratio of two durations, less 1, up to which the motions count as the same."""
 _LEVEL = 1e-4
@@ -127,12 +133,25 @@ def stop_from(
             most = sooner if found is None else min(found.stop.duration, sooner)
             found = _staying(found_from_afar(scene, state, joint_path, left, most, splice)) or found
     seconds = time.perf_counter() - began
-    bound = bound_of(scene, state)
-    if found is None or found.stop.duration > _SOONER * left:
-        rest = state.rest
-        nearest = describe(plan.certificate.worst)
-        return Stop(state.t, left, left, float(rest.s[-1]), "rest of the plan", nearest, rest, seconds, bound), found
-    return replace(found.stop, seconds=seconds, bound=bound), found
+    if found is None or found.stop.duration > sooner:
+        return replace(rest_of_plan(plan, state, residual), seconds=seconds), found
+    return replace(found.stop, seconds=seconds, bound=bound_of(scene, state)), found
+
+
+def rest_of_plan(plan: Plan, state: MotionState, residual: float = 1.0) -> Stop:
+    """What is left of a plan from a state as a stop, which it always is."""
+    left = plan.duration - state.t
+    return Stop(
+        t=state.t,
+        duration=left,
+        left=left,
+        end=float(state.rest.s[-1]),
+        origin="rest of the plan",
+        nearest=describe(plan.certificate.worst),
+        trajectory=state.rest,
+        seconds=0.0,
+        bound=bound_of(stopping_scene(plan.scene, state, residual), state),
+    )
 
 
 def stopping_scene(scene: Scene, state: MotionState, residual: float = 1.0) -> Scene:
@@ -212,7 +231,7 @@ def _from_smooth_motions(
     task, known, last = Task.of(replace(scene, fidelity=fidelity)), list[float](), None
     for start, begin in _from_afar(task, state, joint_path, left, of_plan=of_plan or splice is not None):
         active = _first(task, state)
-        first = _solved(active, start, None, begin)
+        first = _solved(active, start, None, begin, _FIRST_TOLERANCES)
         duration = first.stages.duration
         if not first.converged or any(abs(duration / other - 1.0) < _SAME for other in known):
             continue
@@ -235,7 +254,7 @@ def _following(scene: Scene, state: MotionState, before: Found, most: float, spl
         if row in before.backoff
     }
     active = replace(active.with_backoff(known), margins=faded(before.margins))
-    solution = _solved(active, before.solution.stages, before.solution)
+    solution = _solved(active, before.solution.stages, before.solution, tolerances=_FIRST_TOLERANCES)
     found = _certified(scene, state, active, solution, most, splice)
     return found if found is not None and found.stays else None
 
@@ -258,9 +277,9 @@ def _from_afar(
     """Motions from which a stop is looked for, with `_REST` or `_SMOOTH`; of a plan what is left of it first."""
     model = _first(task, state).scene
     if of_plan:
-        yield from_trajectory(model, state.rest, STOP_INTERVALS), _REST
+        yield from_trajectory(model, state.rest, _INTERVALS), _REST
     for part in _PARTS:
-        yield motion_to_rest(model, state.arm, joint_path, STOP_INTERVALS, part * left), _SMOOTH
+        yield motion_to_rest(model, state.arm, joint_path, _INTERVALS, part * left), _SMOOTH
 
 
 def _first(task: Task, state: MotionState) -> ActiveSet:
@@ -273,13 +292,17 @@ def _first(task: Task, state: MotionState) -> ActiveSet:
 
 
 def _solved(
-    active: ActiveSet, start: Stages, warm: Solution | None, begin: tuple[float | None, float] = _WARM
+    active: ActiveSet,
+    start: Stages,
+    warm: Solution | None,
+    begin: tuple[float | None, float] = _WARM,
+    tolerances: Tolerances = _TOLERANCES,
 ) -> Solution:
     """The answer from a motion, with the multipliers of another problem where there is one."""
     options = SolveOptions(
         max_iterations=_COLD_ITERATIONS if warm is None else _WARM_ITERATIONS,
         max_time=_MOST_TIME,
-        tolerances=_TOLERANCES,
+        tolerances=tolerances,
         kkt_error_globalization=warm is not None,
         barrier_start=begin[0],
         bound_push=begin[1],
@@ -301,7 +324,7 @@ def _certified(
         most: s, that it may take at most: back-off makes it longer, so that what already takes longer is given up.
         splice: where it takes over from the plan; None where no motion leads there.
     """
-    for _ in range(_TIGHTENED):
+    for number in range(_TIGHTENED):
         if not solution.converged or solution.stages.duration > most:
             return None
         verdict = _exported(active.scene, scene, solution.stages, splice)
@@ -324,7 +347,7 @@ def _certified(
             return Found(stop, solution, dict(active.backoff), dict(active.margins), fidelity, verdict.stays)
         tighter = gentler(active, over, judgement) if over else active
         if tighter is active:
-            tighter = tightened(active, broken(active, judgement), judgement)
+            tighter = tightened(active, broken(active, judgement), judgement, _PACE**number)
         if tighter is active:
             return None
         active, solution = tighter, _solved(tighter, solution.stages, solution)
@@ -337,4 +360,4 @@ def _exported(model: Scene, scene: Scene, stages: Stages, splice: Splice | None)
         record = export_samples(model, stages)
     except (ModelError, np.linalg.LinAlgError):
         return None
-    return judged_stop(record, swinging_on(scene), splice)
+    return looked_at(record, swinging_on(scene), splice)

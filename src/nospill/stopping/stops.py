@@ -22,7 +22,7 @@ from nospill.robots.robot import Robot
 from nospill.stopping.controller import braked, slowed_to_rest
 from nospill.stopping.later import sooner_by_waiting
 from nospill.stopping.own_way import along_own_way
-from nospill.stopping.solving import joint_path_of, stop_from
+from nospill.stopping.solving import joint_path_of, rest_of_plan, stop_from
 from nospill.stopping.splices import states_with_leads
 
 EVERY = 0.02
@@ -94,11 +94,19 @@ def stops(
 def _one_by_one(
     plan: Plan, states: Sequence[MotionState], leads: Sequence[MotionState], residual: float
 ) -> Iterator[Stop]:
-    """The stop from every state, each solved from the one before it."""
-    joint_path, found = joint_path_of(plan), None
+    """The stop from every state, each solved from the one before it.
+
+    Where none is found the next state is passed over: where one is found again after it, waiting for that is a stop.
+    """
+    joint_path, found, missed = joint_path_of(plan), None, False
     for number, (state, lead) in enumerate(zip(states, leads, strict=True), start=1):
+        if missed:
+            missed = False
+            yield rest_of_plan(plan, state, residual)
+            continue
         above = 0.0 if number % _AFRESH == 0 else math.inf
         stop, found = stop_from(plan, state, joint_path, found, residual=residual, afresh_above=above, lead=lead)
+        missed = found is None
         yield stop
 
 

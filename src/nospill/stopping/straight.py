@@ -51,15 +51,16 @@ class Straight:
     residual: float
 
 
-def soonest(case: Straight, longest: float) -> float:
+def soonest(case: Straight, longest: float, *, above: float = 0.0) -> float:
     """The longest time of the grid, s, in which no stop is possible; 0 where none is within `longest` either.
 
     Where the surface cannot be kept below its limit within `longest`, the equations of small swings are too strict a
-    picture of a motion that is known to be certified, and say nothing.
+    picture of a motion that is known to be certified, and say nothing. A time shorter than `above`, s, is of no
+    interest, and 0 is the answer likewise.
     """
     system = _Discrete.of(case)
-    low, high = 0, int(np.ceil(longest / _STEP)) + 1
-    if not system.stops_in(high):
+    low, high = int(above / _STEP), int(np.ceil(longest / _STEP)) + 1
+    if system.stops_in(low) or not system.stops_in(high):
         return 0.0
     while high - low > 1:
         middle = (low + high) // 2

@@ -54,7 +54,9 @@ def broken(active: ActiveSet, judgement: Judgement) -> dict[RowId, tuple[float, 
     return over
 
 
-def tightened(active: ActiveSet, over: Mapping[RowId, tuple[float, float]], judgement: Judgement) -> ActiveSet:
+def tightened(
+    active: ActiveSet, over: Mapping[RowId, tuple[float, float]], judgement: Judgement, pace: float = 1.0
+) -> ActiveSet:
     """The set with more back-off and margins; itself where nothing of what breaks is in the problem.
 
     What breaks right after the beginning keeps more there alone: the motion before may stand on its limits, and with
@@ -64,21 +66,23 @@ def tightened(active: ActiveSet, over: Mapping[RowId, tuple[float, float]], judg
         active: of the last problem.
         over: use of the limits that its answer breaks, and where, as `broken` has them.
         judgement: of its answer.
+        pace: factor on what they are raised by beyond what the judge found.
     """
     backoff, margins = dict(active.backoff), dict(active.margins)
-    waves, driven = margins_of_waves(active.backoff, active.margins, judgement, active.labels_of)
+    waves, driven = margins_of_waves(active.backoff, active.margins, judgement, active.labels_of, pace)
     for row, scale in driven.items():
         backoff[row] = min(max(backoff[row] + _MORE, 1.0 - scale * (1.0 - backoff[row])), _MOST_BACKOFF)
     known = (over.keys() & backoff.keys()) - waves.keys()
     for key in known:
         use, share = over[key]
         power = _AFTER_END if key.constraint == ResidualHeight.name else 1.0
-        more = 1.0 - (1.0 - backoff[key]) / use**power + _MORE
+        more = 1.0 - (1.0 - backoff[key]) / use**power + _MORE * pace
         if share <= _EARLY:
             kept = margins[key].kept[0] if key in margins else 0.0
-            margins[key] = Margin(np.array([0.0, _EARLY, 1.5 * _EARLY]), (kept + use - 1.0 + _MORE / 2) * _AT_START)
+            kept += use - 1.0 + _MORE * pace / 2
+            margins[key] = Margin(np.array([0.0, _EARLY, 1.5 * _EARLY]), kept * _AT_START)
         else:
-            backoff[key] = min(max(backoff[key] + _MORE, more), _MOST_BACKOFF)
+            backoff[key] = min(max(backoff[key] + _MORE * pace, more), _MOST_BACKOFF)
     if not known and not waves:
         return active
     return replace(active, backoff=backoff, margins=margins | waves)

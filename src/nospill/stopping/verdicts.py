@@ -11,11 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nospill.certification.certificate import Judgement, judge_first, judge_motion
+from nospill.certification.certificate import Judgement, judge_first, judge_motion, judge_roughly
 from nospill.certification.tracks import judged_tracks
 from nospill.certification.verdict import Row, Trace, worst_row
 from nospill.errors import ModelError
 from nospill.laws.constraints.base import RowId
+from nospill.motion.interpolation import JointMotion
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.state import rest_of
 from nospill.scene.scene import Scene
@@ -55,6 +56,19 @@ def swinging_on(scene: Scene) -> Scene:
     return replace(scene, motion=replace(scene.motion, hold_after=_SWINGS_ON))
 
 
+def looked_at(record: Trajectory, scene: Scene, splice: Splice | None) -> Verdict | None:
+    """What a rough look finds of the samples of a stop, which then is going to be changed, or the verdict on them.
+
+    None where its liquids have no answer. Arguments as of `judged_stop`.
+    """
+    played = _Played.of(record, scene, splice)
+    try:
+        found = played.verdict(judge_roughly(played.record, played.scene, motion=played.motion))
+    except (ModelError, np.linalg.LinAlgError):
+        return None
+    return played.judged() if found.ok else found
+
+
 def judged_stop(record: Trajectory, scene: Scene, splice: Splice | None) -> Verdict | None:
     """The verdict on the samples of a stop; None where its liquids have no answer.
 
@@ -63,22 +77,44 @@ def judged_stop(record: Trajectory, scene: Scene, splice: Splice | None) -> Verd
         scene: of the stop, with its rest; it begins in a state of the plan.
         splice: where the stop takes over from its plan; None where no motion is known before it.
     """
-    joined, motion, wait = record, None, 0.0
-    if splice is not None:
+    return _Played.of(record, scene, splice).judged()
+
+
+@dataclass(frozen=True, slots=True)
+class _Played:
+    """A stop as its receiver plays it: the record that is judged, and where in it the stop begins, s."""
+
+    stop: Trajectory
+    record: Trajectory
+    scene: Scene
+    motion: JointMotion | None
+    wait: float
+    early: float
+
+    @classmethod
+    def of(cls, record: Trajectory, scene: Scene, splice: Splice | None) -> _Played:
+        if splice is None:
+            return cls(record, record, scene, None, 0.0, 0.0)
         joined, motion = splice.joined(record)
-        scene, wait = splice.scene, splice.wait
-    early = wait + _OVERSHOOTS / record.rate if splice is not None else 0.0
-    try:
-        first = judge_first(joined, scene, motion=motion)
-        if not (found := Verdict(record, _since(first, wait), _at_splice(first, early), stays=False)).ok:
-            return found
-        whole = judge_motion(joined, scene, motion=motion, first=first)
-    except (ModelError, np.linalg.LinAlgError):
-        return None
-    tracks = judged_tracks(joined, scene, whole.replay, whole.traces)
-    slosh = rest_of(replace(joined, slosh=tracks), wait).slosh
-    kept = whole.certificate.ok and stays(joined, scene, motion=motion, since=wait)
-    return Verdict(replace(record, slosh=slosh), _since(whole, wait), _at_splice(whole, early), kept)
+        return cls(record, joined, splice.scene, motion, splice.wait, splice.wait + _OVERSHOOTS / record.rate)
+
+    def judged(self) -> Verdict | None:
+        """The verdict; None where liquids or joints have no answer."""
+        try:
+            first = judge_first(self.record, self.scene, motion=self.motion)
+            if not (found := self.verdict(first)).ok:
+                return found
+            whole = judge_motion(self.record, self.scene, motion=self.motion, first=first)
+        except (ModelError, np.linalg.LinAlgError):
+            return None
+        tracks = judged_tracks(self.record, self.scene, whole.replay, whole.traces)
+        slosh = rest_of(replace(self.record, slosh=tracks), self.wait).slosh
+        kept = whole.certificate.ok and stays(self.record, self.scene, motion=self.motion, since=self.wait)
+        return replace(self.verdict(whole), record=replace(self.stop, slosh=slosh), stays=kept)
+
+    def verdict(self, judgement: Judgement) -> Verdict:
+        """What a judgement says of the stop, of which it does not say that it stays."""
+        return Verdict(self.stop, _since(judgement, self.wait), _at_splice(judgement, self.early), stays=False)
 
 
 def _at_splice(judgement: Judgement, early: float) -> dict[RowId, float]:
@@ -88,14 +124,15 @@ def _at_splice(judgement: Judgement, early: float) -> dict[RowId, float]:
 
 def _since(judgement: Judgement, wait: float) -> Judgement:
     """A verdict from an instant on, on a clock that begins there."""
-    fullest = {key: cut for key, trace in judgement.fullest.items() if (cut := _cut(trace, wait)) is not None}
+    cuts = {id(trace): _cut(trace, wait) for trace in (*judgement.traces, *judgement.fullest.values())}
+    fullest = {key: cut for key, trace in judgement.fullest.items() if (cut := cuts[id(trace)]) is not None}
     distances = [_later(row, wait) for row in judgement.certificate.rows if row.id not in judgement.fullest]
     rows = (*map(worst_row, fullest.values()), *distances)
     ok = all(row.ok for row in rows) and not judgement.certificate.unjudged
     return replace(
         judgement,
         certificate=replace(judgement.certificate, ok=ok, rows=rows),
-        traces=tuple(cut for trace in judgement.traces if (cut := _cut(trace, wait)) is not None),
+        traces=tuple(cut for trace in judgement.traces if (cut := cuts[id(trace)]) is not None),
         end_time=judgement.end_time - wait,
         corners=(),
         corner_use={},
@@ -105,8 +142,8 @@ def _since(judgement: Judgement, wait: float) -> Judgement:
 
 def _cut(trace: Trace, wait: float) -> Trace | None:
     """A trace from an instant on; None where it has none of those."""
-    late = trace.t >= wait - 1e-9
-    if not np.any(late):
+    late = slice(int(np.searchsorted(trace.t, wait - 1e-9)), None)
+    if late.start == len(trace.t):
         return None
     columns = {name: getattr(trace, name)[late] for name in ("t", "value", "limit", "margin")}
     columns["t"] = columns["t"] - wait
