@@ -167,5 +167,6 @@ def test_boxes_and_libraries_that_do_not_load_are_left_to_python(
     assert compiled_steps([linear_terms(basin_of(tub()))]) is None
     broken = tmp_path / "flow.so"
     broken.write_bytes(b"not a library")
+    monkeypatch.setattr(module, "_IN_USE", {})
     monkeypatch.setattr(module, "small_library", lambda *_, **__: broken)
     assert compiled_steps([_terms(COARSE)]) is None
