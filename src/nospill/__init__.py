@@ -13,7 +13,7 @@ import ast as _ast
 import importlib as _importlib
 from pathlib import Path as _Path
 
-__version__ = "0.4.0"
+__version__ = "0.5.0"
 
 
 def _places(stub: _Path) -> dict[str, tuple[str, str]]:
