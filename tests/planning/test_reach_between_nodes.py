@@ -40,7 +40,7 @@ def test_a_motion_out_of_reach_is_solved_again_once(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(refinement, "exported", exported)
     monkeypatch.setattr(refinement, "_off_singularities", off_singularities)
     monkeypatch.setattr(
-        refinement, "judge_motion", lambda *_: SimpleNamespace(replay=None, traces=None, leaves_margin=False)
+        refinement, "judge_motion", lambda *_, **__: SimpleNamespace(replay=None, traces=None, leaves_margin=False)
     )
     monkeypatch.setattr(refinement, "judged_tracks", lambda *_: ())
     monkeypatch.setattr(refinement, "replace", lambda item, **_: item)
