@@ -13,6 +13,8 @@ import pytest
 from nospill.certification import tracking_band
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.tracking_band import broken_or_band_of
+from nospill.errors import ModelError
+from nospill.planning import refinement
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log
 from nospill.planning.refinement import Judged, _with_whole_verdict
@@ -85,3 +87,19 @@ def test_planning_ends_with_the_whole_verdict(
     candidate = SimpleNamespace(active=SimpleNamespace(task=SimpleNamespace(scene=scene)))
     judged = _with_whole_verdict(Judged(cast(Candidate, candidate), motion.trajectory, broken), Log(None, 60.0))
     assert judged.judgement.certificate == whole.certificate
+
+
+def test_what_a_first_look_broke_stands_where_an_arm_has_no_answer(
+    motion: SmoothMotion, scene: Scene, looked_at: Callable[[float], Judgement], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A plan ends uncertified then, and not in an error."""
+
+    def no_answer(*_: object, **__: object) -> Judgement:
+        raise ModelError("the liquid leaves its cup")
+
+    first = looked_at(0.0)
+    broken = replace(first, certificate=replace(first.certificate, ok=False))
+    candidate = SimpleNamespace(active=SimpleNamespace(task=SimpleNamespace(scene=scene)))
+    judged = Judged(cast(Candidate, candidate), motion.trajectory, broken)
+    monkeypatch.setattr(refinement, "judge_motion", no_answer)
+    assert _with_whole_verdict(judged, Log(None, 60.0)) is judged

@@ -1,7 +1,7 @@
 """What the next problem holds after a motion was judged: the active set that follows from one and its verdict.
 
-Reactions have an order, and the first that applies is all that one round does: a problem with other modes, other
-weights or other members is another problem, and what the motion before says of its back-off is little.
+Reactions have an order, and a round does the first that applies alone: with other modes, other weights or other members
+it is another problem, of whose back-off the motion before says little.
 """
 
 from __future__ import annotations

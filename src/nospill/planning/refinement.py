@@ -144,8 +144,9 @@ def _with_whole_verdict(judged: Judged, log: Log) -> Judged:
     scene = judged.candidate.active.task.scene
     if scene.tracking is None or judged.judgement.certificate.ok:
         return judged
-    with log.phase("certify"):
+    with log.phase("certify"), suppress(ModelError):  # an arm whose liquids have no answer: what is broken stands
         return replace(judged, judgement=judge_motion(judged.trajectory, scene))
+    return judged
 
 
 def _by_smoothness(judged: Judged, log: Log) -> Judged:

@@ -24,7 +24,8 @@ _SAME_PLACE, _SAME_YAW = 1e-3, math.radians(0.5)
 """m and rad: how far a free path may begin from where the tray is without a word."""
 _ALONG = ("s", "s_rate", "s_acceleration")
 STOP_INTERVALS = 25
-"""Of the grid of a stop; where liquids are in the problem with several modes, which are faster, there are more."""
+"""Of the grid of a stop that is planned as a motion of its own; where liquids are in the problem with several modes,
+which are faster, there are more."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -50,7 +50,8 @@ from nospill.transcription.trajectory_start import from_trajectory
 _PARTS = (0.5, 1.0, 0.3)
 """Of what is left of the plan: durations of the smooth motions from which a stop is looked for from afar."""
 _INTERVALS = 24
-"""Of the grid: with 22 two stops of `shelf-to-table` are missed, with 25 `matrix-liquid-tilt` stops later."""
+"""Of the grid of a search from instant to instant, chosen by its stops: with 22 two stops of `shelf-to-table` are
+missed, with 25 `matrix-liquid-tilt` stops later."""
 _TIGHTENED = 16
 """How often back-off and margins are raised; what is nearly certified is solved again in a few steps."""
 _PACE = 1.2
