@@ -26,13 +26,15 @@ from nospill.transcription.passages import bounded_as
 from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.sensitivity import saving_of
 from nospill.transcription.solvers import usable
-from nospill.transcription.solvers.options import BARRIERS, near_optimum
+from nospill.transcription.solvers.options import BARRIERS, like_before, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import slow_enough
 from nospill.transcription.trajectory_start import from_trajectory
 
 REFINE_ITERATIONS = 150
 _TIGHTEN_ITERATIONS = 100
+_HEAVIER_ITERATIONS = 50
+"""Of the same problem with other weights of the jerks: where it converges it takes half of that."""
 _TIGHTEN_BARRIER = 1e-6
 _ROUNDS, _ROUNDS_OVER_BAND = 8, 16
 """Of tightening, since members last joined; over a band of arms more, since heights after the end fall as a small power
@@ -231,6 +233,9 @@ def _refine_until_certified(
             tightened += bool(active.margins) or active.smoothness.factor == before.active.smoothness.factor
             start = before.stages
             others = active.margins is not before.active.margins
+            least = before.stages.duration - saving_of(before.problem, before.solution, active.backoff)
+            if least >= below:  # durations are convex in back-off, as far as the problem is
+                break
             better = _tighten(before, active, log, afresh=not others)
             if better is None and others:
                 better = _tighten(before, active.with_less_margin(), log)
@@ -285,15 +290,21 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
 
 
 def _tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = True) -> Candidate | None:
-    """The motion solved again with more rows or more back-off, warm where no row joined; None where that fails.
+    """The motion solved again with more rows, more back-off or heavier jerks; None where that fails.
 
-    Then once more as from any start, where `afresh`: with margins that are too much it takes longest, and in vain.
+    Warm where no row joined. Then once more as from any start, where `afresh`: with margins that are too much it takes
+    longest, and in vain.
     """
     heavier = active.smoothness.factor / before.active.smoothness.factor
-    alike = heavier == 1.0 or (bool(before.active.margins) and 1.0 / _NEARLY_ALIKE <= heavier <= _NEARLY_ALIKE)
-    same = alike and bool(active.margins) == bool(before.active.margins) and active.rows == before.active.rows
-    barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if same else (BARRIERS[0], REFINE_ITERATIONS)
-    again = solved(active, before.stages, log, near_optimum(barrier, most), before if same else None, tightens=True)
+    same = bool(active.margins) == bool(before.active.margins) and active.rows == before.active.rows
+    near = heavier == 1.0 or (bool(before.active.margins) and 1.0 / _NEARLY_ALIKE <= heavier <= _NEARLY_ALIKE)
+    if same and not near:
+        again = solved(active, before.stages, log, like_before(_HEAVIER_ITERATIONS), before, tightens=True)
+        if again.has_converged:
+            return again
+    warm = before if same and near else None
+    barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if warm else (BARRIERS[0], REFINE_ITERATIONS)
+    again = solved(active, before.stages, log, near_optimum(barrier, most), warm, tightens=True)
     if not again.has_converged and afresh:
         again = solved(active, before.stages, log, tightens=True)
     if not again.has_converged and not afresh:

@@ -89,3 +89,11 @@ def near_optimum(barrier: float, iterations: int | None = None) -> Options:
     """
     most = {} if iterations is None else {"max_iterations": iterations}
     return {"barrier_start": barrier, "barrier_error": _BARRIER_ERROR, "bound_push": _NO_PUSH, **most}
+
+
+def like_before(iterations: int) -> Options:
+    """Options of a solve from the answer and the multipliers of a problem that is like this one, but not near it.
+
+    The barrier is adapted: multipliers and slacks say how large it is, and it need not be gone down from any first one.
+    """
+    return {"kkt_error_globalization": True, "bound_push": _NO_PUSH, "max_iterations": iterations}
