@@ -19,7 +19,7 @@ from nospill.transcription.margins_along import with_margins
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
-from nospill.transcription.solvers.options import BARRIERS, LOOSE, LOOSEST, TIGHT, Options, near_optimum
+from nospill.transcription.solvers.options import BARRIERS, LOOSE, TIGHT, Options, near_optimum
 from nospill.transcription.stages import Stages, node_positions
 from nospill.transcription.starting_motions import HIDDEN_AT_START
 from nospill.transcription.weights import jerk_cost_dominates
@@ -155,7 +155,7 @@ def solved(
             max_iterations=planning.max_iterations,
             max_time=min(planning.max_solve_time, max(log.time_left, _LEAST_TIME)),
             # with modes an iteration takes four times as long, and back-off counts more; on planes further ones follow
-            tolerances=LOOSEST if active.refined else LOOSE if stage == "coarse" and problem.planes.groups else TIGHT,
+            tolerances=LOOSE if active.refined or (stage == "coarse" and problem.planes.groups) else TIGHT,
             progress=partial(log.iteration, stage) if log.progress is not None else None,
         )
         solution = solve(problem, start, options=replace(usual, **options), warm=warm and warm.solution)

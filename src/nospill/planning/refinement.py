@@ -26,16 +26,17 @@ from nospill.transcription.passages import bounded_as
 from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.sensitivity import saving_of
 from nospill.transcription.solvers import usable
-from nospill.transcription.solvers.options import BARRIERS, like_before, near_optimum
+from nospill.transcription.solvers.options import BARRIERS, LAST_BARRIER, near_adapted, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import slow_enough
 from nospill.transcription.trajectory_start import from_trajectory
 
 REFINE_ITERATIONS = 150
 _TIGHTEN_ITERATIONS = 100
-_HEAVIER_ITERATIONS = 50
-"""Of the same problem with other weights of the jerks: where it converges it takes half of that."""
-_TIGHTEN_BARRIER = 1e-6
+_ADAPTED_ITERATIONS = 60
+"""With a barrier that is adapted: where it leads to an answer it takes half of that, else one that goes down does."""
+_FAR = 0.015
+"""Part of its duration that less back-off promises a motion, from which its answer is far."""
 _ROUNDS, _ROUNDS_OVER_BAND = 8, 16
 """Of tightening, since members last joined; over a band of arms more, since heights after the end fall as a small power
 of the weights of the jerks, which rise the less the less is missing."""
@@ -109,10 +110,15 @@ def _solve_near_optimum(
     active: ActiveSet, start: Stages, barriers: Sequence[float | None], log: Log, *, tightens: bool = False
 ) -> Candidate | None:
     """The first converged answer from a start that is nearly optimal, with one first barrier after the other."""
-    for barrier in barriers:
+    ways = [
+        {"max_iterations": REFINE_ITERATIONS} if barrier is None else near_optimum(barrier, REFINE_ITERATIONS)
+        for barrier in barriers
+    ]
+    if active.refined and not active.driven and barriers[0] is not None:  # with waves as states every other one fails
+        ways.insert(0, near_adapted(_ADAPTED_ITERATIONS))
+    for options in ways:
         if log.out_of_time:
             break
-        options = {"max_iterations": REFINE_ITERATIONS} if barrier is None else near_optimum(barrier, REFINE_ITERATIONS)
         candidate = solved(active, start, log, options, tightens=tightens)
         if candidate.has_converged:
             return candidate
@@ -233,8 +239,7 @@ def _refine_until_certified(
             tightened += bool(active.margins) or active.smoothness.factor == before.active.smoothness.factor
             start = before.stages
             others = active.margins is not before.active.margins
-            least = before.stages.duration - saving_of(before.problem, before.solution, active.backoff)
-            if least >= below:  # durations are convex in back-off, as far as the problem is
+            if not others and _at_least(before, active) >= below:
                 break
             better = _tighten(before, active, log, afresh=not others)
             if better is None and others:
@@ -289,6 +294,11 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
         raise diagnosis.not_playable(scene, stages.duration, stages.intervals, error) from None
 
 
+def _at_least(before: Candidate, active: ActiveSet) -> float:
+    """Seconds that the motion takes with another back-off, to the first order: no less, as far as it is convex."""
+    return before.stages.duration - saving_of(before.problem, before.solution, active.backoff)
+
+
 def _tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = True) -> Candidate | None:
     """The motion solved again with more rows, more back-off or heavier jerks; None where that fails.
 
@@ -298,12 +308,13 @@ def _tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = T
     heavier = active.smoothness.factor / before.active.smoothness.factor
     same = bool(active.margins) == bool(before.active.margins) and active.rows == before.active.rows
     near = heavier == 1.0 or (bool(before.active.margins) and 1.0 / _NEARLY_ALIKE <= heavier <= _NEARLY_ALIKE)
-    if same and not near:
-        again = solved(active, before.stages, log, like_before(_HEAVIER_ITERATIONS), before, tightens=True)
+    far = _at_least(before, active) < (1.0 - _FAR) * before.stages.duration
+    if same and (far or not near):
+        again = solved(active, before.stages, log, near_adapted(_ADAPTED_ITERATIONS), before, tightens=True)
         if again.has_converged:
             return again
     warm = before if same and near else None
-    barrier, most = (_TIGHTEN_BARRIER, _TIGHTEN_ITERATIONS) if warm else (BARRIERS[0], REFINE_ITERATIONS)
+    barrier, most = (LAST_BARRIER, _TIGHTEN_ITERATIONS) if warm else (BARRIERS[0], REFINE_ITERATIONS)
     again = solved(active, before.stages, log, near_optimum(barrier, most), warm, tightens=True)
     if not again.has_converged and afresh:
         again = solved(active, before.stages, log, tightens=True)

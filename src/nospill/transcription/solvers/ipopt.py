@@ -34,6 +34,8 @@ def ipopt_settings(problem: Problem, options: SolveOptions) -> dict[str, Any]:
     if options.barrier_start is not None:
         settings |= {"ipopt.mu_strategy": "monotone", "ipopt.mu_init": options.barrier_start}
         settings["ipopt.barrier_tol_factor"] = options.barrier_error
+    if options.least_barrier is not None:
+        settings["ipopt.mu_min"] = options.least_barrier
     if options.bound_push is not None:
         settings["ipopt.warm_start_init_point"] = "yes"
         settings |= {

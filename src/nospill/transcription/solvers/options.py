@@ -16,6 +16,9 @@ Options = Mapping[str, Any]
 BARRIERS = (1e-5, 1e-4, 0.1)
 """First barrier parameters from a start that is nearly optimal, in the order in which they are tried."""
 
+LAST_BARRIER = 1e-6
+"""Barrier parameter of a problem that is solved warm, with other back-off."""
+
 _BARRIER_ERROR = 10.0
 _NO_PUSH = 1e-6
 
@@ -65,6 +68,7 @@ class SolveOptions:
         barrier_start: first barrier parameter, small where the start is nearly optimal; it then goes down step by step.
             None: adapted from iteration to iteration.
         barrier_error: error of a barrier problem, over its parameter, at which the parameter goes down.
+        least_barrier: the barrier parameter is not adapted to less; None: left to the solver.
         bound_push: scaled distance that the start is moved off its bounds, small where the start is nearly optimal; a
             start that breaks some of them needs more, or each step ends at the next bound. None: left to the solver.
         progress: called at every iteration.
@@ -76,6 +80,7 @@ class SolveOptions:
     tolerances: Tolerances = TIGHT
     barrier_start: float | None = None
     barrier_error: float = _BARRIER_ERROR
+    least_barrier: float | None = None
     bound_push: float | None = None
     progress: IterationCallback | None = None
 
@@ -91,9 +96,15 @@ def near_optimum(barrier: float, iterations: int | None = None) -> Options:
     return {"barrier_start": barrier, "barrier_error": _BARRIER_ERROR, "bound_push": _NO_PUSH, **most}
 
 
-def like_before(iterations: int) -> Options:
-    """Options of a solve from the answer and the multipliers of a problem that is like this one, but not near it.
+def near_adapted(iterations: int) -> Options:
+    """Options of a solve whose start is near the optimum, with a barrier that is adapted and no push off the bounds.
 
-    The barrier is adapted: multipliers and slacks say how large it is, and it need not be gone down from any first one.
+    It ends with the barrier that others begin with, so that its multipliers suit them. From some starts it leads
+    nowhere: those are left after the most iterations.
     """
-    return {"kkt_error_globalization": True, "bound_push": _NO_PUSH, "max_iterations": iterations}
+    return {
+        "kkt_error_globalization": True,
+        "least_barrier": LAST_BARRIER,
+        "bound_push": _NO_PUSH,
+        "max_iterations": iterations,
+    }
