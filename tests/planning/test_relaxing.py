@@ -12,6 +12,7 @@ from nospill.planning import refinement
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, solved
 from nospill.planning.log import Log
+from nospill.planning.next_set import next_set
 from nospill.planning.planner import plan
 from nospill.planning.refinement import Judged, certify_by_refinement, solve_from, start_from
 from nospill.planning.task import Task
@@ -106,3 +107,8 @@ def test_a_motion_as_long_as_another_is_not_tightened(begun: Begun) -> None:
     finished = refinement._refine_until_certified(rough, log, below=2.0 * duration)
     assert finished.judgement.certificate.ok and log.rounds > before
     assert finished.trajectory.end_time > given_up.trajectory.end_time
+    promised = refinement._at_least(rough, next_set(rough.active, given_up.judgement, rough.solution.slack))
+    assert rough.stages.duration < promised < finished.trajectory.end_time
+    rounds = log.rounds
+    unsolved = refinement._refine_until_certified(rough, log, below=promised - 1e-6)
+    assert unsolved.candidate is rough and log.rounds == rounds

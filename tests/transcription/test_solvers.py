@@ -20,7 +20,15 @@ from nospill.native import libraries
 from nospill.scene.scene import Scene
 from nospill.transcription.problem import Problem, build_problem
 from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, linear_solvers, solve
-from nospill.transcription.solvers.options import LOOSE, LOOSEST, TIGHT, Tolerances
+from nospill.transcription.solvers.options import (
+    BARRIERS,
+    LOOSE,
+    LOOSEST,
+    TIGHT,
+    Tolerances,
+    near_adapted,
+    near_optimum,
+)
 from nospill.transcription.solvers.solution import violation
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import smooth_start
@@ -83,6 +91,23 @@ def test_an_optimum_is_reached_and_reported_in_a_sentence(task: Task, name: str)
     assert solution.stages.intervals == INTERVALS
     assert solution.objective >= solution.stages.duration
     assert len(solution.variables) == task.problem().transcription.variables
+
+
+@needs_compiler
+def test_with_heavier_jerks_multipliers_and_an_adapted_barrier_lead_there_in_fewer_iterations(task: Task) -> None:
+    """To the same motion: the weights change the multipliers less than a barrier that goes down from its first one."""
+    before, problem = task.solve("ldl"), task.problem("ldl")
+    heavier = build_problem(
+        problem.scene, INTERVALS, nominal_duration=1.5, jerk_weight_factor=3.0, backoff=problem.backoff
+    )
+    adapted, down = (
+        solve(heavier, before.stages, options=dataclasses.replace(PATIENT, tolerances=LOOSE, **own), warm=warm)
+        for own, warm in ((near_adapted(60), before), (near_optimum(BARRIERS[0]), None))
+    )
+    assert adapted.converged and down.converged
+    assert adapted.objective == pytest.approx(down.objective, rel=2e-4)
+    assert adapted.objective > before.objective + 1e-4
+    assert adapted.iterations < down.iterations
 
 
 @needs_compiler

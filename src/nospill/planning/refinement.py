@@ -110,15 +110,10 @@ def _solve_near_optimum(
     active: ActiveSet, start: Stages, barriers: Sequence[float | None], log: Log, *, tightens: bool = False
 ) -> Candidate | None:
     """The first converged answer from a start that is nearly optimal, with one first barrier after the other."""
-    ways = [
-        {"max_iterations": REFINE_ITERATIONS} if barrier is None else near_optimum(barrier, REFINE_ITERATIONS)
-        for barrier in barriers
-    ]
-    if active.refined and not active.driven and barriers[0] is not None:  # with waves as states every other one fails
-        ways.insert(0, near_adapted(_ADAPTED_ITERATIONS))
-    for options in ways:
+    for barrier in barriers:
         if log.out_of_time:
             break
+        options = {"max_iterations": REFINE_ITERATIONS} if barrier is None else near_optimum(barrier, REFINE_ITERATIONS)
         candidate = solved(active, start, log, options, tightens=tightens)
         if candidate.has_converged:
             return candidate
@@ -234,13 +229,13 @@ def _refine_until_certified(
         grows = active.scene is not before.active.scene
         if active is before.active or (certified and grows) or active.smoothness.factor > heaviest:
             break
+        others = active.margins is not before.active.margins
+        if not (grows or others) and _at_least(before, active) >= below:
+            break
         log.rounds += 1
         if not grows:
             tightened += bool(active.margins) or active.smoothness.factor == before.active.smoothness.factor
             start = before.stages
-            others = active.margins is not before.active.margins
-            if not others and _at_least(before, active) >= below:
-                break
             better = _tighten(before, active, log, afresh=not others)
             if better is None and others:
                 better = _tighten(before, active.with_less_margin(), log)
