@@ -48,7 +48,7 @@ _WORTH_A_SOLVE = 1e-3
 _WORTH_OVER_BAND, _WORTH_LIGHTER = 5e-3, 0.01
 """The same over a band of arms, where a row that gets some back asks for two more rounds; where a flow judges, or jerks
 weigh less."""
-_HEAVIER = 2.0
+_HEAVIER = 3.0
 """Times that jerks weigh more from which a motion relaxed, which then leaves too much by the flow, is given up."""
 _LIGHTENED = 3
 """Times that a certified motion over a band gets back what it does not need, at most."""
