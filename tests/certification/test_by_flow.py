@@ -89,7 +89,6 @@ def test_crests_are_those_of_the_flow(judged: tuple[Scene, Judgement, Judgement]
 def test_a_slosh_height_by_the_flow_is_judged(judged: tuple[Scene, Judgement, Judgement]) -> None:
     whole, second, _ = judged
     scene = whole.changed({"motion.slosh_height": "nonlinear", "motion.residual_height": "linear"})
-    traces = {trace.id: trace for trace in second.traces}
     found = {trace.id: trace for trace in with_second_order(second.traces, scene, second.replay)}
     crests = crests_by_flow(scene, second.replay)
     for name in ("cup", "mug", "box"):

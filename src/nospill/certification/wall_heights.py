@@ -22,8 +22,10 @@ _AT_ONCE = 256
 
 
 def of_second_order(cargo: Cargo, modes: SurfaceModes) -> np.ndarray:
-    """Places on the wall at which heights of second order are looked at: of a box the corners, no yaw mode is higher
-    elsewhere."""
+    """Places on the wall at which heights of second order are looked at: of a box the corners.
+
+    No yaw mode is higher elsewhere; what two waves drive may be, by what the flow in full shows.
+    """
     if isinstance(cargo.container, Cylinder):
         return np.arange(len(modes.wall))
     half = np.max(np.abs(modes.wall), axis=0)

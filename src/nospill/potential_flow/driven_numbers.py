@@ -104,7 +104,7 @@ def driven_gains(cargo: Cargo) -> np.ndarray:
 
 
 def driven_vector(cargo: Cargo) -> np.ndarray:
-    """The same as one vector without zeros, (`driven_size`,)."""
+    """`driven_numbers` as one vector without zeros, (`driven_size`,)."""
     numbers = driven_numbers(cargo)
     return np.concatenate([numbers[name][pattern] for name, pattern in driven_patterns(driven_kind(cargo)).items()])
 
@@ -163,7 +163,7 @@ def _numbers(terms: LinearTerms, kind: DrivenKind) -> dict[str, np.ndarray]:
 
 
 def masses_of_modes(directions: Sequence[tuple[int, ...]], kind: DrivenKind) -> list[int]:
-    """Which modal masses, of those that move along `directions` each, have modes of the problem, in the modes' order."""
+    """Which modal masses, moving along `directions` each, have modes of the problem, in the order of these."""
     most, count, found = driven_modes(kind).masses, dict[tuple[int, ...], int](), []
     for index, own in enumerate(directions):
         count[own] = count.get(own, 0) + 1

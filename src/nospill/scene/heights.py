@@ -44,7 +44,8 @@ def linear_since(cargo: Cargo) -> str | None:
 def by_nonlinear_flow(cargo: Cargo, order: HeightOrder) -> bool:
     """Whether a height of an object's liquid is judged by the nonlinear flow where the scene says `order` of it.
 
-    Of upright cups and boxes, the liquid as stated, at the planned speed and from rest; others are judged to the second order.
+    Of upright cups and boxes, the liquid as stated, at the planned speed and from rest; others are judged to the second
+    order.
     """
     filling = cargo.filling
     if order != "nonlinear" or filling is None or not to_second_order(cargo, order):

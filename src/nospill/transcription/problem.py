@@ -385,7 +385,10 @@ def _bounds(
         [
             not (flat or item.spread or item.in_carrier)
             for item in structure.objects
-            for axes, flat in [*zip(item.oscillators, item.flat, strict=True), *[((0,), True)] * item.driven_coordinates]
+            for axes, flat in [
+                *zip(item.oscillators, item.flat, strict=True),
+                *[((0,), True)] * item.driven_coordinates,
+            ]
             for _ in axes
         ],
         dtype=bool,

@@ -70,10 +70,10 @@ def _functions(cargo: Cargo) -> tuple[ca.Function, ca.Function]:
     motion = body_motion(body)
     masses, squares = swinging_on(item, numbers, motion, states, own)
     moved = masses_of_modes(item.oscillators, item.driven)
+    pairs = [(numbers.oscillators[index], masses[index]) for index in moved]
     amplitudes = [
-        numbers.oscillators[index].surface_gain
-        * ca.sqrt(masses[index].displacement ** 2 + (masses[index].velocity / numbers.oscillators[index].frequency) ** 2)
-        for index in moved
+        mode.surface_gain * ca.sqrt(mass.displacement**2 + (mass.velocity / mode.frequency) ** 2)
+        for mode, mass in pairs
     ]
     return (
         ca.Function("a", arguments, [-driven_residual(item, numbers, motion, states, own)]),
