@@ -126,7 +126,7 @@ def _waves(
     lean, lean_rate, turn = [omega[1], -omega[0]], [alpha[1], -alpha[0]], omega[2]
     carried = turn * terms.times("turn", ca.vertsplit(height)) - terms.times("rise", lean)
     potential = (rate + carried) / terms.vector("stiffness")
-    spun = terms.times("turn", ca.vertsplit(potential)) + terms.times("slip", lean)
+    spun = terms.times("turn", ca.vertsplit(potential)) + terms.times("turned_lean", lean)
     pressure = force[2] * height + terms.vector("friction") * rate + turn * spun
     pressure = pressure[: modes.moved] + terms.times("place", ca.vertsplit(force[:2])) + terms.times("lean", lean_rate)
     pressure += alpha[2] * terms.vector("turning")
