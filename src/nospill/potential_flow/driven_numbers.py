@@ -84,8 +84,8 @@ def driven_numbers(cargo: Cargo) -> dict[str, np.ndarray]:
 
     Returns:
         surface (n, n + 2, d), pressure (n, 2 n + 4, d), square (n + 2, n + 2, d), upper triangle, and spin (d,) as
-        `Interactions` has them; stiffness (J,), friction (J,), turn (J, J), rise (J, 2), turned_lean (J, 2), the slip, and of the modes
-        of masses place (n, 2), lean (n, 2), turning (n,), as `LinearTerms` has them.
+        `Interactions` has them; stiffness (J,), friction (J,), turn (J, J), rise (J, 2), turned_lean (J, 2), the slip,
+        and of the modes of masses place (n, 2), lean (n, 2), turning (n,), as `LinearTerms` has them.
     """
     return _numbers_like(LiquidKey(cargo), driven_kind(cargo))
 
