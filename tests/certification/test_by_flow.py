@@ -36,9 +36,10 @@ def judged(smooth_motion: Callable) -> tuple[Scene, Judgement, Judgement]:
     return whole, judge_motion(slow, second), judge_motion(slow, whole)
 
 
-def test_what_is_left_is_what_the_flow_leaves(judged: tuple[Scene, Judgement, Judgement]) -> None:
+@pytest.mark.parametrize("name", ["cup", "box"])
+def test_what_is_left_is_what_the_flow_leaves(judged: tuple[Scene, Judgement, Judgement], name: str) -> None:
     scene, _, judgement = judged
-    played, cargo = judgement.replay, next(item for item in scene.cargo if item.name == "cup")
+    played, cargo = judgement.replay, next(item for item in scene.cargo if item.name == name)
     rest = np.concatenate([np.zeros(6), played.tray.rotation[-1].T @ np.array([0.0, 0.0, scene.gravity])])
 
     def rows(t: np.ndarray) -> np.ndarray:
@@ -47,20 +48,20 @@ def test_what_is_left_is_what_the_flow_leaves(judged: tuple[Scene, Judgement, Ju
         return rows_at(body, cargo.place, cargo.yaw)
 
     flow = crests_along(cargo, rows, float(played.t[0]), float(played.t[-1]), after=0.5)
-    left = left_by_flow(scene, played, -1)["cup"]
+    left = left_by_flow(scene, played, -1)[name]
     within = np.max(left.crests(np.linspace(0.0, 0.5, 101)))
     assert within == pytest.approx(flow.after_end(flow.full), rel=0.05)
-    (row,) = [row for row in judgement.certificate.rows if row.id == (_RESIDUAL, "cup")]
+    (row,) = [row for row in judgement.certificate.rows if row.id == (_RESIDUAL, name)]
     assert row.worst_value == pytest.approx(left.highest, rel=1e-9) and within <= row.worst_value
-    course = heights_after(scene, played, np.linspace(0.0, 0.5, 101))["cup"]
+    course = heights_after(scene, played, np.linspace(0.0, 0.5, 101))[name]
     assert np.max(course) == pytest.approx(within)
 
 
-def test_boxes_and_heights_during_the_motion_stay_of_second_order(judged: tuple[Scene, Judgement, Judgement]) -> None:
+def test_heights_during_the_motion_stay_of_second_order(judged: tuple[Scene, Judgement, Judgement]) -> None:
     _, second, whole = judged
     before = {row.id: row for row in second.certificate.rows}
     changed = {row.id for row in whole.certificate.rows if row != before[row.id]}
-    assert changed == {(_RESIDUAL, "cup"), (_RESIDUAL, "mug")}
+    assert changed == {(_RESIDUAL, "cup"), (_RESIDUAL, "mug"), (_RESIDUAL, "box")}
     for row in (row for row in whole.certificate.rows if row.id in changed):
         assert row.linear_value == before[row.id].linear_value and row.limit == before[row.id].limit
 
@@ -70,7 +71,7 @@ def test_crests_are_those_of_the_flow(judged: tuple[Scene, Judgement, Judgement]
     scene = whole.changed({"motion.slosh_height": "nonlinear", "motion.residual_height": "linear"})
     played = second.replay
     crests = crests_by_flow(scene, played)
-    assert set(crests) == {"cup", "mug"}
+    assert set(crests) == {"cup", "mug", "box"}
     for name, found in crests.items():
         cargo = next(item for item in scene.cargo if item.name == name)
 
@@ -79,7 +80,8 @@ def test_crests_are_those_of_the_flow(judged: tuple[Scene, Judgement, Judgement]
 
         flow = crests_along(cargo, rows, float(played.t[0]), float(played.t[-1]), after=0.0)
         expected = np.interp(flow.t, played.t, found)
-        np.testing.assert_allclose(expected, flow.full, atol=0.01 * np.max(flow.full))
+        within = 0.05 if name == "box" else 0.01  # its fast modes have no turn here, and the highest place of any yaw
+        np.testing.assert_allclose(expected, flow.full, atol=within * np.max(flow.full))
         (row,) = [row for row in second.certificate.rows if row.id == ("slosh height", name)]
         assert abs(np.max(found) - row.worst_value) > 0.002 * row.worst_value  # of another order than those
 
@@ -87,15 +89,12 @@ def test_crests_are_those_of_the_flow(judged: tuple[Scene, Judgement, Judgement]
 def test_a_slosh_height_by_the_flow_is_judged(judged: tuple[Scene, Judgement, Judgement]) -> None:
     whole, second, _ = judged
     scene = whole.changed({"motion.slosh_height": "nonlinear", "motion.residual_height": "linear"})
-    traces = {trace.id: trace for trace in second.traces}
     found = {trace.id: trace for trace in with_second_order(second.traces, scene, second.replay)}
     crests = crests_by_flow(scene, second.replay)
-    for name in ("cup", "mug"):
+    for name in ("cup", "mug", "box"):
         trace = found[RowId("slosh height", name)]
         np.testing.assert_array_equal(trace.value, crests[name])
         np.testing.assert_allclose(trace.margin, np.abs(trace.limit) - crests[name])
-    box = RowId("slosh height", "box")
-    np.testing.assert_array_equal(found[box].value, traces[box].value)
     stop = replace(scene, motion=replace(scene.motion, stop=True))
     assert crests_by_flow(stop, second.replay) == {}
 
@@ -122,13 +121,13 @@ def test_from_where_a_flow_breaks_down_crests_are_as_high_as_none_is(
     assert np.all(crests[end + 1 :] == greatest) and np.all(crests[:end] < 0.5 * greatest)
 
 
-def test_it_is_known_of_upright_cups_from_rest() -> None:
+def test_it_is_known_of_upright_cups_and_boxes_from_rest() -> None:
     def followed(cargo: Cargo, order: HeightOrder = "nonlinear") -> bool:
         return by_nonlinear_flow(cargo, order)
 
     own = cup()
     assert own.filling is not None
-    assert followed(own) and not followed(own, "second order") and not followed(tub())
+    assert followed(own) and not followed(own, "second order") and followed(tub())
     assert not followed(replace(own, speed=0.5))
     assert not followed(replace(own, filling=replace(own.filling, frequency_factor=1.01)))
     swing = Swing(displacement=((0.001, 0.0),), velocity=((0.0, 0.0),))
@@ -171,7 +170,7 @@ def test_a_flow_that_breaks_down_with_fewer_modes_is_in_doubt(
 
     monkeypatch.setattr(by_flow, "flows_along", broken)
     doubts = doubted_flows(scene, replace(judgement.replay))
-    assert set(doubts) == {"cup", "mug"} and set(doubts.values()) == {"the flow's numbers break down at 0.62 s"}
+    assert set(doubts) == {"cup", "mug", "box"} and set(doubts.values()) == {"the flow's numbers break down at 0.62 s"}
 
 
 @pytest.mark.parametrize(
@@ -200,7 +199,7 @@ def test_a_flow_is_in_doubt_where_the_second_opinion_doubts_it(
     since = [float(text.split()[1]) for text in (doubt, opinion.doubt) if text.startswith("from")]
     assert np.ptp(since or [0.0]) <= 0.03  # s, a step of the judge's flow
     said = {item.subject: item.text for item in plan_warnings(scene, judgement, {}) if item.name == "flow in doubt"}
-    assert said.keys() == {"cup", "mug"} and said["cup"].startswith(doubt)
+    assert said.keys() == {"cup", "mug", "box"} and said["cup"].startswith(doubt)
 
 
 def test_a_motion_is_followed_once(judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch) -> None:

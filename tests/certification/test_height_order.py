@@ -16,6 +16,7 @@ from nospill.scene.heights import to_second_order
 from nospill.scene.swing import Swing
 
 _SWING = {"displacement": [[1e-3, 0.0]], "velocity": [[0.0, 0.0]]}
+_SECOND = {**_SWING, "second_height": [0.0], "second_velocity": [0.0]}
 _LINEAR = {"motion.slosh_height": "linear"}
 
 
@@ -77,20 +78,23 @@ def test_whose_heights_the_nonlinear_flow_judges_is_said() -> None:
     scene = read_scenario("mixed-tray")
     asked = {"motion.residual_height": "nonlinear"}
     assert flow_note(scene) == ""
-    assert flow_note(scene.changed(asked)).endswith("nonlinear flow: cup, mug; others to the second order")
+    assert flow_note(scene.changed(asked)).endswith("nonlinear flow: cup, mug, box")
     both = flow_note(scene.changed({**asked, "motion.slosh_height": "nonlinear"}))
     assert both.startswith("slosh height and residual height by the nonlinear flow: cup, mug")
     orders = height_orders(scene.changed({"motion.slosh_height": "nonlinear"}))
-    assert orders == {"cup": "nonlinear", "mug": "nonlinear", "box": "second order"}
-    swinging = dict.fromkeys(("cargo.cup.initial_swing", "cargo.mug.initial_swing"), _SWING)
-    assert "of no liquid" in flow_note(scene.changed({**asked, **swinging}))
+    assert orders == {"cup": "nonlinear", "mug": "nonlinear", "box": "nonlinear"}
+    swinging = dict.fromkeys(("cargo.cup.initial_swing", "cargo.mug.initial_swing"), _SECOND)
+    some = flow_note(scene.changed({**asked, **swinging}))
+    assert some.endswith("nonlinear flow: box; others to the second order")
+    none = {**swinging, "cargo.box.initial_swing": _SECOND}
+    assert "of no liquid" in flow_note(scene.changed({**asked, **none}))
 
 
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
         ({"cargo.cup.tolerance": {"frequency": "2 %"}}, "at other frequencies than stated to the second order"),
-        ({"cargo.cup.tolerance": {"liquid_height": "2 mm"}}, "others to the second order"),
+        ({"cargo.cup.tolerance": {"liquid_height": "2 mm"}}, "nonlinear flow: cup, mug, box"),
         (
             {"motion.speed_range": ["50 %", "100 %"], "motion.slosh_height": "second order"},
             "at other speeds than planned to the second order",

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nospill.potential_flow import driven, rows_at, second_order_states
+from nospill.potential_flow import driven, height_gains, rows_at, second_order_states
+from nospill.potential_flow.basin import basin_of
 from nospill.potential_flow.driven_along import recursion
-from nospill.potential_flow.orders import first_order, second_order_sources
+from nospill.potential_flow.orders import first_order, linear_terms, second_order_sources
 from nospill.potential_flow.solving import two_orders
+from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
 from tests.waters import cup, pushed_and_turned, tub
@@ -42,6 +44,21 @@ def test_in_a_box_that_does_not_turn_too() -> None:
     largest = np.max(np.abs(expected))
     assert largest > 2e-4
     np.testing.assert_allclose(found, expected, atol=0.015 * largest)
+
+
+@pytest.mark.parametrize("sides", [(0.08, 0.06), (0.08, 0.08)])
+def test_a_turn_pushes_a_yaw_mode_as_it_pushes_its_mass(sides: tuple[float, float]) -> None:
+    """Of both modes of one frequency in a square box, too: C d'' of the mass is kappa times the turn's pressure."""
+    changes = dict(zip(("cargo.box.length", "cargo.box.width"), sides, strict=True))
+    box = next(item for item in read_scenario("mixed-tray").changed(changes).cargo if item.name == "box")
+    terms, columns = linear_terms(basin_of(box)), [mode for mode in box.oscillators for _ in mode.directions]
+    gains = height_gains(box.oscillators, terms.basin)
+    carried = [(mode, column) for mode, column in zip(columns, gains.T, strict=True) if mode.yaws and np.any(column)]
+    assert len(carried) >= 4
+    for mode, column in carried:
+        own = int(np.argmax(np.abs(column)))
+        assert column[own] * mode.arm == pytest.approx(terms.stiffness[own] * terms.turn[own], rel=1e-6, abs=1e-9)
+    assert len({int(np.argmax(np.abs(column))) for _, column in carried}) == len(carried)
 
 
 def test_twice_the_waves_drive_four_times_the_heights() -> None:

@@ -9,11 +9,13 @@ from dataclasses import replace
 import pytest
 
 import nospill as ns
+from nospill.certification.certificate import judge_motion
 from nospill.errors import ScenarioError
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState
 from nospill.scene.swing import Swing
-from nospill.stopping import verdicts
+from nospill.stopping import recovery, verdicts
+from nospill.stopping.solving import stopping_scene
 
 AT = 2.4
 """s; in the midst of the motion."""
@@ -77,6 +79,35 @@ def test_a_stop_in_which_an_object_moves_says_so(plan: Plan, monkeypatch: pytest
     found = ns.recover(plan, plan.state_at(AT))
     assert found.moves and found.certificate.ok
     assert found.text == "certified; by the whole physics an object moves"
+
+
+def test_where_no_stop_is_found_what_is_left_of_the_plan_is_the_answer(
+    plan: Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With its own verdict: the liquid rises as the whole motion after the bump has it, and other breaks are said."""
+    monkeypatch.setattr(recovery, "found_from_afar", lambda *_, **__: None)
+    state = _bumped(plan, 0.018)
+    found = ns.recover(plan, state)
+    assert found.stop.origin == "rest of the plan" and found.stop.duration == pytest.approx(plan.duration - AT)
+    whole = judge_motion(state.rest, stopping_scene(plan.scene, state, 1.0)).certificate
+    assert found.certificate == whole and not whole.ok
+    ((name, excess),) = found.excess.items()
+    limit = plan.scene.cargo[0].filling.max_slosh_height  # type: ignore[union-attr]
+    assert excess == pytest.approx(max(row.worst_value for row in whole.rows if not row.ok) - limit)
+    assert found.broken == () and found.text.startswith(f"recovering: {name} ")
+    calm = ns.recover(plan, plan.state_at(AT))
+    assert calm.certificate.ok and calm.stop.origin == "rest of the plan" and calm.text == "certified"
+
+
+def test_what_is_left_of_the_plan_says_which_other_rows_it_breaks(plan: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recovery, "found_from_afar", lambda *_, **__: None)
+    state = _bumped(plan, 0.018)
+    friction = tuple(replace(item, friction=0.02) for item in plan.scene.cargo)
+    smooth = replace(plan, scene=replace(plan.scene, cargo=friction))
+    found = ns.recover(smooth, replace(smooth.state_at(AT), swings=state.swings))
+    (slip,) = found.broken
+    assert slip.startswith("slip of ") and found.moves
+    assert found.text.endswith(f"no stop was found that keeps all other limits, and in the rest of the plan {slip}")
 
 
 def test_what_stands_above_the_rim_has_been_spilled(plan: Plan) -> None:

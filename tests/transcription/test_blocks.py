@@ -148,7 +148,7 @@ class Whole:
                     place = self.structure.slosh_slices[index]
                     parts = (step.point_displacements[point], step.point_velocities[point], self.accelerations[point])
                     waves = driven_state(item, *(part[place] for part in parts))
-                    residuals.append(driven_residual(own, object_motion(own, motion), of_object, waves))
+                    residuals.append(driven_residual(item, own, object_motion(own, motion), of_object, waves))
             rows.append(values(ca.vertcat(*residuals)) / self.found.scales[self.layout.acceleration(point)])
         return np.concatenate(rows)
 

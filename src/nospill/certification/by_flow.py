@@ -71,7 +71,7 @@ class Left:
         of_fast = free_states(frequency, damping, self.displacement[fast], self.velocity[fast], t)[0]
         gains = wall_gains(self.cargo.oscillators)[:, fast]
         yaw = np.max(np.abs(of_fast @ gains[2:].T), axis=1, initial=0.0)
-        return highest_on_wall(self.cargo, self.basin.modes, of_fast @ gains[:2].T, of_flow) + yaw
+        return highest_on_wall(self.basin.modes, of_fast @ gains[:2].T, of_flow) + yaw
 
     @property
     def highest(self) -> float:
@@ -106,7 +106,7 @@ def _crests(cargo: Cargo, own: slice, flow: FlowAlong, basin: Basin, played: Rep
     linear, yaw = linear_heights(cargo.filling, body, displacement)
     heights = _at_instants(flow.states[:, 0], (played.t[reached] - played.t[0]) / flow.step)
     crests = np.full(len(played.t), greatest_height(basin))
-    crests[reached] = highest_on_wall(cargo, basin.modes, linear, heights) + yaw
+    crests[reached] = highest_on_wall(basin.modes, linear, heights) + yaw
     return crests
 
 

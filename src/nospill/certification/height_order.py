@@ -58,7 +58,7 @@ def flow_note(scene: Scene) -> str:
         return ""
     found = [] if rules.stop else [item for item in scene.cargo if by_nonlinear_flow(item, "nonlinear")]
     if not found:
-        return f"{which}: of no liquid by the nonlinear flow, which is of upright cups that begin at rest"
+        return f"{which}: of no liquid by the nonlinear flow, which is of upright cups and boxes that begin at rest"
     names = [item.title for item in found]
     known = [order for order in height_orders(scene).values() if not order.startswith(_LINEAR)]
     others = "; others to the second order" if len(found) < len(known) else ""

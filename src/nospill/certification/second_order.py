@@ -17,7 +17,7 @@ import numpy as np
 from nospill.certification.by_flow import Left, crests_by_flow, left_by_flow
 from nospill.certification.replay import Replay
 from nospill.certification.verdict import Trace
-from nospill.certification.wall_heights import INSTANTS, highest_on_wall, linear_heights
+from nospill.certification.wall_heights import INSTANTS, highest_on_wall, linear_heights, of_second_order
 from nospill.core.units import as_written
 from nospill.errors import ModelError
 from nospill.laws.constraints.residual_height import ResidualHeight
@@ -205,7 +205,8 @@ def waves_along(
         liquid, own, displacement, velocity, step, begin, motions=motions, step_angle=step_angle
     )
     linear, yaw = linear_heights(filling, own, displacement)
-    crests = highest_on_wall(cargo, liquid.terms.basin.modes, linear, added[:, 0]) + yaw
+    modes = liquid.terms.basin.modes
+    crests = highest_on_wall(modes, linear, added[:, 0], of_second_order(cargo, modes)) + yaw
     return Waves(cargo, displacement, velocity, added, crests)
 
 

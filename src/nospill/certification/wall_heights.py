@@ -21,12 +21,25 @@ _AT_ONCE = 256
 """Instants."""
 
 
-def highest_on_wall(cargo: Cargo, modes: SurfaceModes, linear: np.ndarray, added: np.ndarray) -> np.ndarray:
-    """Greatest heights (m,) round the wall of both, those along x and y (m, 2) and those of the modes (m, J)."""
+def of_second_order(cargo: Cargo, modes: SurfaceModes) -> np.ndarray:
+    """Places on the wall at which heights of second order are looked at: of a box the corners.
+
+    No yaw mode is higher elsewhere; what two waves drive may be, by what the flow in full shows.
+    """
+    if isinstance(cargo.container, Cylinder):
+        return np.arange(len(modes.wall))
     half = np.max(np.abs(modes.wall), axis=0)
-    where: slice | np.ndarray = slice(None)
-    if not isinstance(cargo.container, Cylinder):  # of a box the corners: no yaw mode is higher elsewhere
-        where = np.flatnonzero(np.all(np.abs(modes.wall) > (1 - 1e-9) * half, axis=1))
+    return np.flatnonzero(np.all(np.abs(modes.wall) > (1 - 1e-9) * half, axis=1))
+
+
+def highest_on_wall(
+    modes: SurfaceModes, linear: np.ndarray, added: np.ndarray, where: np.ndarray | slice = slice(None)
+) -> np.ndarray:
+    """Greatest heights (m,) round the wall of both, those along x and y (m, 2) and those of the modes (m, J).
+
+    `where` are places of the wall, all of them by default.
+    """
+    half = np.max(np.abs(modes.wall), axis=0)
     moved = np.flatnonzero(np.any(added, axis=0))  # of a cup's modes of second order six of ten
     shapes = np.hstack([modes.wall[where] / half, modes.wall_shape[where][:, moved]])
     heights = np.vstack([linear.T, added.T[moved]])

@@ -74,7 +74,7 @@ class OscillatorNumbers:
 
 
 def _driven(item: ObjectStructure) -> tuple[int, ...]:
-    return (driven_size() if item.driven else 0,)
+    return (driven_size(item.driven),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ class ObjectNumbers:
         static_correction: (2,) m, see `slosh.height`.
         yaw_correction: (9,) m^2 where the object's structure yaws, see `slosh.height`, else there is none.
         added_gravity: (1,) m/s^2 where the object's structure is slowed, else there is none.
-        driven: of the modes of second order that are carried, `potential_flow.driven_numbers`; empty without any.
+        driven: of the waves carried beside the modal masses, `potential_flow.driven_numbers`; empty without any.
         oscillators: the modal masses.
     """
 

@@ -23,7 +23,7 @@ from nospill.laws.parameters import (
     sources,
 )
 from nospill.laws.structure import YAW_AXES, ObjectStructure, Structure
-from nospill.potential_flow.driven_numbers import driven_count, driven_vector
+from nospill.potential_flow.driven_numbers import driven_kind, driven_modes, driven_vector
 from nospill.robots.description.urdf import without_place
 from nospill.robots.description.urdf_tree import rotation_of
 from nospill.robots.kinematics.dynamics import NO_LOAD, Load, load_of, torque_joints
@@ -79,7 +79,7 @@ def object_structure(cargo: Cargo) -> ObjectStructure:
         constraints=cargo.constraints,
         fixed=cargo.fixed,
         lid=cargo.filling is not None and cargo.filling.lid,
-        driven=driven_count() if _drives(cargo) else 0,
+        driven=driven_kind(cargo) if _drives(cargo) else "",
     )
 
 
@@ -122,7 +122,8 @@ def initial_coordinates(scene: Scene) -> np.ndarray:
     """Displacements (m) and velocities (m/s) of all slosh coordinates when the motion begins, shape (2, k)."""
     parts = [np.zeros((2, 0))]
     for cargo in scene.cargo:
-        parts += [cargo.initial_coordinates, np.zeros((2, driven_count() if _drives(cargo) else 0))]
+        further = driven_modes(driven_kind(cargo)).states if _drives(cargo) else 0
+        parts += [cargo.initial_coordinates, np.zeros((2, further))]
     return np.hstack(parts)
 
 

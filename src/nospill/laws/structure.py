@@ -8,6 +8,7 @@ from itertools import accumulate, pairwise
 from typing import NamedTuple
 
 from nospill.paths.joint_curves import POSE
+from nospill.potential_flow.driven_numbers import DrivenKind, driven_modes
 from nospill.scene.containers.footprints import Footprint
 from nospill.scene.limits import Limit
 from nospill.scene.scene import EndCondition, Fidelity
@@ -75,7 +76,7 @@ class ObjectStructure:
         constraints: given from Python, that are about it.
         fixed: whether it cannot move on what it stands on.
         lid: whether its liquid is closed in.
-        driven: number of modes of second order among its slosh coordinates, after those of the modal masses.
+        driven: what kind of waves that the modal masses leave out is among its slosh coordinates, after those of these.
     """
 
     footprint: type[Footprint]
@@ -89,7 +90,7 @@ class ObjectStructure:
     constraints: tuple[Limit, ...] = ()
     fixed: bool = False
     lid: bool = False
-    driven: int = 0
+    driven: DrivenKind = ""
 
     @property
     def yaws(self) -> bool:
@@ -109,7 +110,12 @@ class ObjectStructure:
     @property
     def coordinates(self) -> int:
         """Number of slosh coordinates of the object."""
-        return self.linear_coordinates + self.driven
+        return self.linear_coordinates + self.driven_coordinates
+
+    @property
+    def driven_coordinates(self) -> int:
+        """Number of those of waves that the modal masses leave out."""
+        return driven_modes(self.driven).states if self.driven else 0
 
     @property
     def linear_coordinates(self) -> int:

@@ -33,7 +33,7 @@ _FILES = {
         "sparse_ldl.c",
     ),
     "interpreter": ("interpreter.c",),
-    "flow": ("fused_products.c", "flow_vectors.c", "polar_flow.c", "polar_steps.c", "driven_waves.c"),
+    "flow": ("fused_products.c", "flow_vectors.c", "polar_flow.c", "polar_steps.c", "point_flow.c", "driven_waves.c"),
 }
 """The files of each, compiled as one."""
 LIBRARIES = tuple(_FILES)

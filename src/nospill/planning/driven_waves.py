@@ -1,4 +1,4 @@
-"""What the nonlinear flow leaves after the end of cups whose waves of second order are states of the problem.
+"""What the nonlinear flow leaves after the end of liquids whose waves of second order are states of the problem.
 
 The optimiser stills the waves of its problem by their phase. What it cannot see are waves of the third order and above,
 which fall with smoothness and with lower waves. So where the flow leaves too much, the jerks weigh more, and for the

@@ -132,7 +132,7 @@ class Task:
     def driven(self) -> frozenset[str]:
         """Objects whose waves of second order are states of the problems that have more than one mode of them.
 
-        Cups whose height after the end is judged by the nonlinear flow, unless smoothness comes first.
+        Those whose height after the end is judged by the nonlinear flow, unless smoothness comes first.
         """
         return frozenset() if self.smooth_first or self.smooth_alone else self.by_flow
 

@@ -2,6 +2,7 @@
 
 from nospill.potential_flow.basin import COARSE as COARSE
 from nospill.potential_flow.basin import driven_shapes as driven_shapes
+from nospill.potential_flow.beyond_masses import beyond_masses as beyond_masses
 from nospill.potential_flow.courses import BodyRows as BodyRows
 from nospill.potential_flow.crests import Crests as Crests
 from nospill.potential_flow.crests import SecondOrder as SecondOrder

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -98,6 +99,13 @@ def driven_basin(cargo: Cargo) -> Basin:
     Products of two modes of one nodal diameter have none and two: in a cup the others stay at rest.
     """
     return _filled(_driven_modes(cargo.container), _filling(cargo))
+
+
+def basin_with(cargo: Cargo, waves: Sequence[tuple[int, int]]) -> Basin:
+    """The liquid of an upright cylinder or box with some of its modes."""
+    if isinstance(cargo.container, Cylinder):
+        return _filled(disc_modes(cargo.container.radius, list(waves)), _filling(cargo))
+    return _filled(rectangle_modes(_sides(cargo), list(waves)), _filling(cargo))
 
 
 def driven_shapes(container: Container, points: np.ndarray) -> np.ndarray:

@@ -25,7 +25,7 @@ _BLOCK = 4
 """Orders of Fourier sums that are summed at once, likewise."""
 _ALIGNED = 32
 """Bytes."""
-_GREATEST = 600.0
+GREATEST = 600.0
 """k eta from which on there is no flow: the exponentials of polar_flow.c go to 700."""
 
 Steps = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
@@ -63,7 +63,7 @@ def _four(
 ) -> np.ndarray:
     """States (m + 1, c, 2, J) of up to four cups; places of vectors without a cup have the first one's."""
     count, cups, modes = rows.shape[1] // 2, len(start), start.shape[2]
-    along, states, of_cups = _aligned(2 * count + 1, 9), _aligned(count + 1, 2, modes), _aligned(len(own))
+    along, states, of_cups = aligned(2 * count + 1, 9), aligned(count + 1, 2, modes), aligned(len(own))
     along[:], of_cups[:] = rows[..., :1].swapaxes(0, 1), own[:, :1]
     states[0] = start[0, ..., None]
     along[..., :cups], of_cups[:, :cups] = rows.swapaxes(0, 1), own
@@ -74,7 +74,7 @@ def _four(
     return np.moveaxis(states[..., :cups], -1, 1)
 
 
-def _aligned(*shape: int) -> np.ndarray:
+def aligned(*shape: int) -> np.ndarray:
     """An array of vectors, (..., CUPS), at an address that the processor can load them from."""
     size = int(np.prod(shape)) * CUPS
     room = np.empty(size + _ALIGNED // 8)
@@ -137,7 +137,7 @@ def _tables(terms: LinearTerms, polar: Polar) -> np.ndarray:
     phase = np.multiply.outer(np.arange(_orders(polar)), polar.angle)
     parts = [polar.diameters, k * length, place / length, polar.radial, polar.outward * length]
     parts += [polar.radius / length, modes.weight[:: len(polar.angle)] / length**2, np.cos(phase), np.sin(phase)]
-    return np.concatenate([*(np.ravel(part) for part in parts), [_GREATEST / np.max(k * length)]])
+    return np.concatenate([*(np.ravel(part) for part in parts), [GREATEST / np.max(k * length)]])
 
 
 def _of_cup(terms: LinearTerms) -> np.ndarray:

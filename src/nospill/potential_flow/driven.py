@@ -104,14 +104,19 @@ class LiquidKey:
 
 
 def height_gains(oscillators: Sequence[Oscillator], basin: Basin) -> np.ndarray:
-    """Heights (J, k) of a basin's modes per displacement of modal masses; nothing of masses whose mode it has not."""
+    """Heights (J, k) of a basin's modes per displacement of modal masses; nothing of masses whose mode it has not.
+
+    Of modes of one frequency a mass along a side has the one that lies along it, and a yaw mode the one that a turn
+    pushes as it pushes the mass: in a square box (1, 3) and (3, 1) are pushed against each other.
+    """
     modes, place, columns = basin.modes, basin.place, []
+    turned = modes.coefficients(modes.turn_potential)
     for mode in oscillators:
         near = np.isclose(modes.wave_number, mode.wave_number, rtol=1e-6)
         for direction in mode.directions:
-            share = np.ones(len(near)) if mode.yaws else np.abs(place[:, "xy".index(direction)])
+            share = mode.arm * turned if mode.yaws else np.abs(place[:, "xy".index(direction)])
             column = np.zeros(len(near))
             if np.any(near):
-                column[int(np.argmax(np.where(near, share, -1.0)))] = mode.surface_gain
+                column[int(np.argmax(np.where(near, share, -np.inf)))] = mode.surface_gain
             columns.append(column)
     return np.array(columns).T

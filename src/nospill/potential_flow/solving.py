@@ -12,6 +12,7 @@ import numpy as np
 
 from nospill.core.hermite import cubic_hermite
 from nospill.potential_flow.basin import Basin
+from nospill.potential_flow.compiled_sections import compiled_sections
 from nospill.potential_flow.compiled_steps import Steps, compiled_steps
 from nospill.potential_flow.integration import runge_kutta
 from nospill.potential_flow.nonlinear import full_flow, room_of
@@ -105,7 +106,8 @@ def _followed(
     """
     shape = terms[0].basin.modes.shape  # of discs of any size
     highest = np.array([greatest_height(one.basin) for one in terms])
-    steps = compiled_steps(terms) or _interpreted_steps(terms)
+    compiled = compiled_sections if terms[0].basin.modes.polar is None else compiled_steps
+    steps = compiled(terms) or _interpreted_steps(terms)
     for first in range(0, rows.shape[1] - 1, 2 * _CHECKED):
         states = steps(state, rows[:, first : first + 2 * _CHECKED + 1], step)
         with np.errstate(invalid="ignore"):

@@ -44,11 +44,11 @@ def linear_since(cargo: Cargo) -> str | None:
 def by_nonlinear_flow(cargo: Cargo, order: HeightOrder) -> bool:
     """Whether a height of an object's liquid is judged by the nonlinear flow where the scene says `order` of it.
 
-    Of upright cups, the liquid as stated, at the planned speed and from rest; others are judged to the second order.
+    Of upright cups and boxes, the liquid as stated, at the planned speed and from rest; others are judged to the second
+    order.
     """
     filling = cargo.filling
-    asked = order == "nonlinear" and isinstance(cargo.container, Cylinder)
-    if not asked or filling is None or not to_second_order(cargo, order):
+    if order != "nonlinear" or filling is None or not to_second_order(cargo, order):
         return False
     return filling.initial_swing is None and filling.frequency_factor == 1.0 and not cargo.is_slowed
 

@@ -20,7 +20,7 @@ from nospill.certification.replay import Replay
 from nospill.certification.verdict import Certificate, Row
 from nospill.certification.wording import describe
 from nospill.core.trees import flatten
-from nospill.errors import NoSolutionError, ScenarioError
+from nospill.errors import ModelError, NoSolutionError, ScenarioError
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.scene_parameters import initial_coordinates, numbers_of, structure_of
 from nospill.motion.trajectory import Trajectory
@@ -29,6 +29,7 @@ from nospill.plans.state import MotionState
 from nospill.plans.stops import NO_BOUND, Stop
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.scene import Scene
+from nospill.stopping.physics import stays
 from nospill.stopping.seen_states import on_own_way
 from nospill.stopping.solving import Found, found_from_afar, joint_path_of, stopping_scene
 
@@ -48,13 +49,15 @@ class Recovery:
 
     Attributes:
         stop: the motion.
-        certificate: its verdict by the limits as stated; heights are the only rows that fail.
+        certificate: its verdict by the limits as stated; heights are the only rows that fail, but for `broken`.
         excess: m above `max_slosh_height` at most, by object; of those that are above it.
         until: s from its beginning, when the last liquid is below its limit for good, also after the arm stands;
             infinite where one is not within `HORIZON` after the end.
         spilled: names of those whose liquid rises over the rim.
         moves: whether an object moves by the whole physics, of a plan by published equations, in every stop that was
             found: where a wave pushes its cup harder than friction bears.
+        broken: other rows that fail, in words, "tip of bottle uses 104.0 % of its limit at t = 0.120 s"; of what is
+            left of the plan alone, which is the answer where no stop is found that keeps them.
     """
 
     stop: Stop
@@ -63,11 +66,15 @@ class Recovery:
     until: float
     spilled: tuple[str, ...] = ()
     moves: bool = False
+    broken: tuple[str, ...] = ()
 
     @property
     def text(self) -> str:
         """What it does, in words: "recovering: c1 2.1 mm too high, until 0.312 s"."""
         moves = "; by the whole physics an object moves" if self.moves else ""
+        if self.broken:
+            broken = "; ".join(self.broken)
+            moves += f"; no stop was found that keeps all other limits, and in the rest of the plan {broken}"
         if not self.excess:
             return f"certified{moves}"
         worst = ", ".join(
@@ -93,24 +100,29 @@ def recover(plan: Plan, state: MotionState, *, residual: float = 1.0) -> Recover
     Raises:
         ScenarioError: the plan has no stops (`stops.require_stoppable`), the state is not one of its own or does not
             say how all its liquids swing, or a liquid of it is over the rim of its cup.
-        NoSolutionError: no stop was found within three times the height of the state.
+        NoSolutionError: no stop was found within three times the height of the state, and with what is left of the
+            plan a liquid moves so far that its equations do not hold.
     """
     own_way, on_it = on_own_way(plan, state)
     scene, joint_path = stopping_scene(own_way.scene, on_it, residual), joint_path_of(own_way)
     high, left = _above(scene), plan.duration - state.t
     rest = None if high else _what_is_left(plan, state, residual)
-    ways = [(stays, calmer) for stays in (True, False) for calmer in ((True, False) if high else (True,))]
-    for stays, calmer in ways:
-        search = _Search(scene, high, on_it, joint_path, left, calmer, stays, of_plan=own_way is not plan)
+    ways = [(kept, calmer) for kept in (True, False) for calmer in ((True, False) if high else (True,))]
+    for kept, calmer in ways:
+        search = _Search(scene, high, on_it, joint_path, left, calmer, kept, of_plan=own_way is not plan)
         found = search.least() if rest is None else search.as_stated()
         if found is not None:
-            return _told(found, scene)
+            return _told(found.stop, scene, judge_motion(found.stop.trajectory, scene), moves=not found.stays)
     if rest is not None:
         return rest
-    raise NoSolutionError(
-        f"{plan.scene.name}: no stop from {state.t:g} s was found whose liquids stay below "
-        f"{_WIDEST * max(high.values(), default=1.0):.2g} times their max_slosh_height"
-    )
+    try:
+        return _rest_of_plan(plan, state, residual)
+    except ModelError as error:
+        raise NoSolutionError(
+            f"{plan.scene.name}: no stop from {state.t:g} s was found whose liquids stay below "
+            f"{_WIDEST * max(high.values(), default=1.0):.2g} times their max_slosh_height, and of what is left of the "
+            f"plan nothing is known: {error}"
+        ) from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,13 +184,21 @@ class _Search:
 
 def _what_is_left(plan: Plan, state: MotionState, residual: float) -> Recovery | None:
     """What is left of a plan as the stop, where it keeps every limit from a state; None else."""
-    certificate = judge_motion(state.rest, stopping_scene(plan.scene, state, residual)).certificate
-    if not certificate.ok:
-        return None
-    left = plan.duration - state.t
-    nearest = describe(certificate.worst)
+    rest = _rest_of_plan(plan, state, residual)
+    return rest if rest.certificate.ok else None
+
+
+def _rest_of_plan(plan: Plan, state: MotionState, residual: float) -> Recovery:
+    """What is left of a plan as the stop, whatever it breaks.
+
+    Raises:
+        ModelError: a liquid moves so far that its equations do not hold.
+    """
+    scene, left = stopping_scene(plan.scene, state, residual), plan.duration - state.t
+    judgement = judge_motion(state.rest, scene)
+    nearest = describe(judgement.certificate.worst)
     stop = Stop(state.t, left, left, float(state.rest.s[-1]), "rest of the plan", nearest, state.rest, 0.0, NO_BOUND)
-    return Recovery(stop, certificate, {}, 0.0)
+    return _told(stop, scene, judgement, moves=not stays(state.rest, scene))
 
 
 def _above(scene: Scene) -> dict[str, float]:
@@ -206,10 +226,8 @@ def _above(scene: Scene) -> dict[str, float]:
     return above
 
 
-def _told(found: Found, scene: Scene) -> Recovery:
+def _told(stop: Stop, scene: Scene, judgement: Judgement, *, moves: bool) -> Recovery:
     """A stop with its verdict by the limits of a scene."""
-    stop = found.stop
-    judgement = judge_motion(stop.trajectory, scene)
     rows = [row for row in judgement.certificate.rows if not row.ok and row.of_liquid]
     highest: dict[str, Row] = {}
     for row in rows:
@@ -226,7 +244,8 @@ def _told(found: Found, scene: Scene) -> Recovery:
         excess={name: row.worst_value - row.limit for name, row in highest.items()},
         until=_until(stop.trajectory, scene) if any(row.at_end for row in rows) else _last_above(judgement),
         spilled=tuple(name for name, row in highest.items() if row.worst_value > rims.get(name, math.inf)),
-        moves=not found.stays,
+        moves=moves,
+        broken=tuple(describe(row) for row in judgement.certificate.rows if not (row.ok or row.of_liquid)),
     )
 
 

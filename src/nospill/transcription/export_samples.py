@@ -285,7 +285,7 @@ def _slosh_tracks(scene: Scene, samples: StageSamples, tray: TraySamples) -> dic
     for index, (cargo, own) in enumerate(zip(scene.cargo, structure.slosh_slices, strict=True)):
         if cargo.filling is None or cargo.is_slowed:
             continue
-        item = replace(structure.objects[index], driven=0)
+        item = replace(structure.objects[index], driven="")
         own = slice(own.start, own.start + item.coordinates)
         displacement, function = samples.displacement[:, own], crest_function(object_kind(structure, item))
         gravity, fraction, read = numbers_of_object(numbers, index)

@@ -233,7 +233,7 @@ def _expressions(
         if item.driven:
             states = object_states(item, position, rate, pair[point])
             waves = driven_state(item, position, rate, pair[point])
-            residuals.append(driven_residual(numbers, motion, states, waves))
+            residuals.append(driven_residual(item, numbers, motion, states, waves))
         if residuals:
             fixed.append(ca.vertcat(*residuals) / of_accelerations[point])
     # Constraints are imposed at the node, where jerk-limited accelerations have their corners, and in the middle.

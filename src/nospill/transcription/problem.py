@@ -313,7 +313,7 @@ def _scales(
         for directions, mode in zip(item.oscillators, object_numbers.oscillators, strict=True):
             oscillations += [(height / abs(mode.surface_gain), mode.frequency)] * len(directions)
         if item.driven:
-            frequencies = driven_frequencies(object_numbers.driven, numbers.gravity)
+            frequencies = driven_frequencies(object_numbers.driven, item.driven, numbers.gravity)
             oscillations += [(_DRIVEN * height, frequency) for frequency in frequencies]
     displacement = np.array([amplitude for amplitude, _ in oscillations])
     frequency = np.array([frequency for _, frequency in oscillations])
@@ -385,7 +385,10 @@ def _bounds(
         [
             not (flat or item.spread or item.in_carrier)
             for item in structure.objects
-            for axes, flat in [*zip(item.oscillators, item.flat, strict=True), *[((0,), True)] * item.driven]
+            for axes, flat in [
+                *zip(item.oscillators, item.flat, strict=True),
+                *[((0,), True)] * item.driven_coordinates,
+            ]
             for _ in axes
         ],
         dtype=bool,

@@ -11,7 +11,7 @@ from nospill.core.attitudes import matrices, quaternions, tray_quaternions, yaw_
 from nospill.laws.scene_parameters import structure_of
 from nospill.motion.path_deviation import recorded_freedom
 from nospill.motion.trajectory import SloshTrack, Trajectory
-from nospill.potential_flow import driven, rows_at, second_order_states
+from nospill.potential_flow import beyond_masses, rows_at
 from nospill.robots.joint_paths.search import JointPath
 from nospill.robots.kinematics.forward import kinematics
 from nospill.robots.kinematics.newton import solve_joints
@@ -188,7 +188,7 @@ def _fill_liquids(table: np.ndarray, scene: Scene, t: np.ndarray, slosh: Mapping
 
 
 def _fill_driven(table: np.ndarray, scene: Scene, trajectory: Trajectory, body: np.ndarray) -> None:
-    """Write the modes of second order into a table, as what the modes of a trajectory drive, from rest.
+    """Write the waves that the modal masses leave out into a table, as a trajectory from rest drives them.
 
     `body` are rows (9, m) of the tray.
     """
@@ -197,11 +197,7 @@ def _fill_driven(table: np.ndarray, scene: Scene, trajectory: Trajectory, body: 
         track, count, t = trajectory.slosh.get(cargo.name), item.linear_coordinates, trajectory.t
         if not item.driven or track is None or track.displacement.shape[1] < count:
             continue
-        liquid, own = driven(cargo), rows_at(body, cargo.place, cargo.yaw)
-        linear = track.displacement[:, :count], track.velocity[:, :count]
-        height = second_order_states(liquid, own, *linear, float(t[1] - t[0]))[:, 0]
-        swings = np.setdiff1d(np.arange(height.shape[1]), liquid.interactions.moved)
-        height = height[:, swings]
+        height = beyond_masses(cargo, t, rows_at(body, cargo.place, cargo.yaw), track.displacement[:, :count])
         columns = slice(columns.start + count, columns.stop)
         _fill(table, layout_of(structure), columns, t, height, np.gradient(height, t, axis=0))
 

@@ -125,7 +125,7 @@ def test_a_crest_of_second_order_over_its_limit(
     ("index", "changes", "remedy"),
     [
         (0, {}, 'motion.residual_height = "nonlinear"'),
-        (2, {}, 'motion.residual_height = "second order"'),
+        (2, {}, 'motion.residual_height = "nonlinear"'),
         (0, {"motion.slosh_height": "linear"}, 'motion.slosh_height = "second order" and motion.residual_height'),
         (0, {"fidelity": "deliverable"}, 'fidelity = "full" and motion.residual_height = "nonlinear"'),
         (0, {"cargo.0.liquid_height": "9 mm"}, "a smaller max_slosh_height"),

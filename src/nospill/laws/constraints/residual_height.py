@@ -8,7 +8,7 @@ from nospill.core.frames import SX
 from nospill.laws.constraints.base import Budget, Constraint, EvaluationPoint, MotionKey, Range, Role, liquid_names
 from nospill.laws.parameters import ObjectNumbers
 from nospill.laws.sample import ObjectSample, Sample
-from nospill.laws.slosh.driven_modes import driven_squares
+from nospill.laws.slosh.driven_modes import swinging_on
 from nospill.laws.slosh.motion import OscillatorState
 from nospill.laws.slosh.residual import quadrature, residual_bound
 from nospill.laws.structure import ObjectStructure
@@ -52,9 +52,11 @@ class ResidualHeight(Constraint):
                 continue
             limit = sample.numbers.residual_fraction * item.numbers.max_slosh_height
             law = height_bound if item.structure.modes == 1 else height_norm
-            height = law(item.structure, item.numbers, item.states, limit)
+            states, squares = item.states, None
             if item.driven is not None:
-                squares = driven_squares(item.numbers, item.motion, item.states, item.driven)
+                states, squares = swinging_on(item.structure, item.numbers, item.motion, states, item.driven)
+            height = law(item.structure, item.numbers, states, limit)
+            if squares is not None:
                 height += ca.sqrt(ca.sum1(squares) + (_SMOOTHING * limit) ** 2)
             budgets.append((Range(height, -limit, limit, limit),))
         return tuple(budgets)

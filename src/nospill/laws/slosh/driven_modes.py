@@ -1,18 +1,25 @@
-"""Waves of second order that the modes of a cup drive, as further coordinates of its liquid.
+"""Waves that the modal masses of a liquid leave out, as further coordinates of it: of second order, and what turns do.
 
-With heights e and potentials p of the modes that drive, as their masses have them, V = (p, lean) and Omega the turn
-about the axis, source s and pressure P are the quadratic forms of `potential_flow.interactions`. In axes of the cup a
-driven mode of height b moves as [`potential_flow.orders`]
+With heights h and potentials p of the modes of a problem (`potential_flow.driven_numbers`), V = (p, lean) of those of
+masses, and Omega the turn about the axis, source s and pressure P are the quadratic forms of
+`potential_flow.interactions`. Heights move as [`potential_flow.orders`]
 
-    D b = w + s,     D w = -kappa (f_z b + P + friction D b),     D = d/dt + Omega turn,
+    h' = kappa p - Omega T h + R lean + s,
+    p' = -f_z h - g - Omega (T p + S lean) - P - friction h',
 
-that is, with s' from the linear motion of what it is made of, D^2 b - D s + kappa (f_z b + P + friction D b) = 0: an
-equation of the second order for a coordinate like all others. Its mass is none: it pushes nothing.
+g what pushes to the first order. A coordinate b is what h is beyond the height h0 of the modal mass, which has
+h0' = kappa p0 + R lean and p0' = -f_z h0 - g - friction h0' + Q, Q what the turn does to a mass along one side. So
+
+    b'' = s' - (Omega T h)' - kappa (f_z b + Omega (T p + S lean) + P + friction b' + Q),
+
+s' from the linear motion of what it is made of. In a cup the mass swings in two directions and has what a turn does:
+its modes have no coordinate, b is the height of the others, which T does not mix with them. Masses of coordinates there
+are none: they push nothing.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -21,13 +28,21 @@ import numpy as np
 from nospill.core.frames import SX, FrameMotion
 from nospill.laws.parameters import ObjectNumbers
 from nospill.laws.slosh.motion import OscillatorState
-from nospill.potential_flow.driven_numbers import driven_patterns
+from nospill.laws.structure import YAW_AXES, ObjectStructure
+from nospill.potential_flow.driven_numbers import (
+    DrivenKind,
+    DrivenModes,
+    driven_modes,
+    driven_patterns,
+    masses_of_modes,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class _Terms:
-    """Arrays (...) of `potential_flow.driven_numbers`, entries SX or a plain zero."""
+    """Arrays (...) of `potential_flow.driven_numbers`, entries SX, None where they are zero."""
 
+    modes: DrivenModes
     of: dict[str, np.ndarray]
 
     def form(self, name: str, left: list[Any], right: list[Any]) -> SX:
@@ -55,97 +70,153 @@ class _Terms:
 
     def vector(self, name: str) -> SX:
         """A vector, (r, 1)."""
-        return ca.vertcat(*self.of[name])
+        return ca.vertcat(*[SX(0) if entry is None else entry for entry in self.of[name]])
 
 
-def _terms(numbers: ObjectNumbers) -> _Terms:
+def _terms(numbers: ObjectNumbers, kind: DrivenKind) -> _Terms:
     values, first, found = SX(numbers.driven), 0, {}
-    for name, pattern in driven_patterns().items():
+    for name, pattern in driven_patterns(kind).items():
         table = np.full(pattern.shape, None, dtype=object)
         for place in np.argwhere(pattern):
             table[tuple(place)] = values[first]
             first += 1
         found[name] = table
-    return _Terms(found)
+    return _Terms(driven_modes(kind), found)
 
 
 @dataclass(frozen=True, slots=True)
 class _Waves:
-    """What drives, at an instant: heights, potentials and lean, and their changes."""
+    """The modes of a problem at an instant, and of them those of masses, which drive.
 
-    height: list[SX]
-    velocity: list[SX]
-    height_change: list[SX]
+    Attributes:
+        of_mass: (J, 1) heights of the masses, nothing of other modes.
+        height, rate: (J, 1) of all, and how fast they change.
+        spun: (d, 1) what a turn does to the potentials of modes with states, T p + S lean.
+        heights, rates: n of masses' modes, with what they have beyond the masses.
+        velocities: their potentials, and the lean.
+        changes: of these.
+    """
+
+    of_mass: SX
+    height: SX
+    rate: SX
+    spun: SX
+    heights: list[SX]
+    rates: list[SX]
+    velocities: list[SX]
     changes: list[SX]
 
 
-def _driving(terms: _Terms, numbers: ObjectNumbers, motion: FrameMotion, states: tuple[OscillatorState, ...]) -> _Waves:
-    """The waves of the modal masses, of which the slowest ones drive; `states` are theirs along x and y."""
-    count = len(terms.of["stiffness"]) // 2
-    own = list(zip(numbers.oscillators, states, strict=True))[:count]
-    height = ca.vertcat(*[mode.surface_gain * state.displacement for mode, state in own])
-    rate = ca.vertcat(*[mode.surface_gain * state.velocity for mode, state in own])
+def _waves(
+    terms: _Terms,
+    item: ObjectStructure,
+    numbers: ObjectNumbers,
+    motion: FrameMotion,
+    states: tuple[OscillatorState, ...],
+    own: OscillatorState,
+) -> _Waves:
+    modes, masses = terms.modes, masses_of_modes(item.oscillators, item.driven)
+    none, before = SX.zeros(modes.count - modes.moved), SX.zeros(modes.first)
+    pairs = [(numbers.oscillators[index].surface_gain, states[index]) for index in masses]
+    of_mass = ca.vertcat(*[gain * state.displacement for gain, state in pairs], none)
+    height = of_mass + ca.vertcat(before, own.displacement)
+    rate = ca.vertcat(*[gain * state.velocity for gain, state in pairs], none) + ca.vertcat(before, own.velocity)
     omega, alpha = motion.angular_velocity, motion.angular_acceleration
     force = motion.at(ca.vertcat(0, 0, numbers.liquid_height)).specific_force
     lean, lean_rate, turn = [omega[1], -omega[0]], [alpha[1], -alpha[0]], omega[2]
-    heights = ca.vertsplit(height)
-    carried = turn * terms.times("turn", heights) - terms.times("rise", lean)
+    carried = turn * terms.times("turn", ca.vertsplit(height)) - terms.times("rise", lean)
     potential = (rate + carried) / terms.vector("stiffness")
-    potentials = ca.vertsplit(potential)
-    linear_rate = rate  # stiffness times potential, and what leans and turns
-    pressure = force[2] * height + terms.times("place", ca.vertsplit(force[:2])) + terms.times("lean", lean_rate)
-    pressure += turn * (terms.times("turn", potentials) + terms.times("turned_lean", lean))
-    change = -pressure - terms.vector("friction") * linear_rate
-    return _Waves(heights, [*potentials, *lean], ca.vertsplit(rate), [*ca.vertsplit(change), *lean_rate])
+    spun = terms.times("turn", ca.vertsplit(potential)) + terms.times("turned_lean", lean)
+    pressure = force[2] * height + terms.vector("friction") * rate + turn * spun
+    pressure = pressure[: modes.moved] + terms.times("place", ca.vertsplit(force[:2])) + terms.times("lean", lean_rate)
+    pressure += alpha[2] * terms.vector("turning")
+    heights, rates, potentials = (ca.vertsplit(part)[: modes.moved] for part in (height, rate, potential))
+    changes = [*ca.vertsplit(-pressure), *lean_rate]
+    return _Waves(of_mass, height, rate, spun[modes.first :], heights, rates, [*potentials, *lean], changes)
 
 
 def driven_residual(
-    numbers: ObjectNumbers, motion: FrameMotion, states: tuple[OscillatorState, ...], own: OscillatorState
+    item: ObjectStructure,
+    numbers: ObjectNumbers,
+    motion: FrameMotion,
+    states: tuple[OscillatorState, ...],
+    own: OscillatorState,
 ) -> SX:
-    """The equations of motion of the driven modes, (d, 1), m/s^2; zero on a motion, linear in their accelerations.
+    """The equations of motion of the modes with states, (d, 1), m/s^2; zero on a motion, linear in accelerations.
 
     Args:
+        item: structure of the object.
         numbers: of the object.
         motion: of its frame, in its axes.
         states: of its modal masses.
-        own: of the driven modes: heights, m, their rates and accelerations.
+        own: of the modes with states: heights beyond those of masses, m, their rates and accelerations.
     """
-    terms = _terms(numbers)
-    waves = _driving(terms, numbers, motion, states)
-    turn, axial = motion.angular_velocity[2], motion.at(ca.vertcat(0, 0, numbers.liquid_height)).specific_force[2]
-    source = terms.form("surface", waves.height, waves.velocity)
-    source_rate = terms.form("surface", waves.height_change, waves.velocity)
-    source_rate += terms.form("surface", waves.height, waves.changes)
-    pressure = terms.form("pressure", waves.height, [*waves.changes, *[turn * one for one in waves.velocity]])
-    pressure += terms.form("square", waves.velocity, waves.velocity)
-
-    def turned(values: SX) -> SX:
-        return terms.times("own_turn", ca.vertsplit(values))
-
-    rate = own.velocity + turn * turned(own.displacement)
-    change = own.acceleration + 2 * turn * turned(own.velocity) + turn**2 * turned(turned(own.displacement))
-    change += motion.angular_acceleration[2] * turned(own.displacement)
-    push = axial * own.displacement + pressure + terms.vector("own_friction") * rate
-    return change - source_rate - turn * turned(source) + terms.vector("own_stiffness") * push
-
-
-def driven_squares(
-    numbers: ObjectNumbers, motion: FrameMotion, states: tuple[OscillatorState, ...], own: OscillatorState
-) -> SX:
-    """Squares of the amplitudes of the driven modes once the tray stands level, (d, 1), m^2; arguments as there."""
-    terms = _terms(numbers)
-    waves = _driving(terms, numbers, motion, states)
-    free = own.velocity - terms.form("surface", waves.height, waves.velocity)
-    frequency = terms.vector("own_stiffness") * motion.specific_force[2]
-    return own.displacement**2 + free**2 / frequency
+    terms = _terms(numbers, item.driven)
+    first, waves = terms.modes.first, _waves(terms, item, numbers, motion, states, own)
+    turn, turn_rate = motion.angular_velocity[2], motion.angular_acceleration[2]
+    axial = motion.at(ca.vertcat(0, 0, numbers.liquid_height)).specific_force[2]
+    stiffness, friction = terms.vector("stiffness")[first:], terms.vector("friction")[first:]
+    source = terms.form("surface", waves.heights, waves.velocities)
+    change = terms.form("surface", waves.rates, waves.velocities)
+    change += terms.form("surface", waves.heights, waves.changes)
+    for factor, turned in ((turn_rate, waves.height), (turn, waves.rate)):
+        change -= factor * terms.times("turn", ca.vertsplit(turned))[first:]
+    pressure = terms.form("pressure", waves.heights, [*waves.changes, *[turn * one for one in waves.velocities]])
+    pressure += terms.form("square", waves.velocities, waves.velocities) + turn**2 * terms.vector("spin")
+    shifted = ca.vertcat(SX.zeros(first), source / stiffness)  # potentials are less by what the source has of rates
+    pressure += turn * (waves.spun - terms.times("turn", ca.vertsplit(shifted))[first:])
+    push = axial * own.displacement + pressure + friction * own.velocity
+    if first < terms.modes.moved:
+        push += _of_masses(terms, item, numbers, motion, waves.of_mass)
+    return own.acceleration - change + stiffness * push
 
 
-def driven_frequencies(driven: np.ndarray, gravity: float) -> np.ndarray:
-    """Frequencies (d,), rad/s, from the numbers of an object's driven modes."""
+def _of_masses(terms: _Terms, item: ObjectStructure, numbers: ObjectNumbers, motion: FrameMotion, of_mass: SX) -> SX:
+    """Pressures over density (J, 1) of what masses along one side have of a turn: they are thrown outwards."""
+    found, omega = SX.zeros(terms.modes.count), motion.angular_velocity
+    for place, index in enumerate(masses_of_modes(item.oscillators, item.driven)):
+        axis, mass = item.oscillators[index][0], numbers.oscillators[index]
+        if item.oscillators[index] != YAW_AXES:
+            arm = terms.of["place"][place, axis] * (numbers.liquid_height - mass.height)
+            found[place] = omega[2] * (omega[2] * of_mass[place] / terms.of["stiffness"][place] + arm * omega[axis])
+    return found
+
+
+def swinging_on(
+    item: ObjectStructure,
+    numbers: ObjectNumbers,
+    motion: FrameMotion,
+    states: tuple[OscillatorState, ...],
+    own: OscillatorState,
+) -> tuple[tuple[OscillatorState, ...], SX]:
+    """What swings on freely once the tray stands level.
+
+    Arguments as of `driven_residual`.
+
+    Returns:
+        The modal masses as they would stand with what their modes have beyond them, and squares of the amplitudes of
+        the modes that have no mass, (J - n, 1), m^2.
+    """
+    terms = _terms(numbers, item.driven)
+    modes, waves = terms.modes, _waves(terms, item, numbers, motion, states, own)
+    free = own.velocity - terms.form("surface", waves.heights, waves.velocities)
+    beyond, found = modes.moved - modes.first, list(states)
+    if beyond > 0:
+        for place, index in enumerate(masses_of_modes(item.oscillators, item.driven)):
+            gain, state = numbers.oscillators[index].surface_gain, states[index]
+            moved = state.displacement + own.displacement[place] / gain, state.velocity + free[place] / gain
+            found[index] = replace(state, displacement=moved[0], velocity=moved[1])
+    height, free = own.displacement[max(beyond, 0) :], free[max(beyond, 0) :]
+    square_of_frequency = terms.vector("stiffness")[modes.moved :] * motion.specific_force[2]
+    return tuple(found), height**2 + free**2 / square_of_frequency
+
+
+def driven_frequencies(driven: np.ndarray, kind: DrivenKind, gravity: float) -> np.ndarray:
+    """Frequencies (d,), rad/s, from the numbers of an object's modes with states."""
     first = 0
-    for name, pattern in driven_patterns().items():
+    for name, pattern in driven_patterns(kind).items():
         count = int(np.count_nonzero(pattern))
-        if name == "own_stiffness":
-            return np.sqrt(gravity * driven[first : first + count])
+        if name == "stiffness":
+            return np.sqrt(gravity * driven[first : first + count])[driven_modes(kind).first :]
         first += count
     raise AssertionError
