@@ -54,6 +54,7 @@ _SOURCES = (
     "compiled",
     "robots",
     "scene",
+    "potential_flow",
     "laws",
     "certification",
     "transcription",
