@@ -1,4 +1,4 @@
-"""What a motion leaves, in three columns: each against the judge who is asked for it alone."""
+"""What a motion leaves, in four columns: each against the judge who is asked for it alone."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 
+from nospill.certification import left_after_end as module
 from nospill.certification.certificate import judge_motion
 from nospill.certification.left_after_end import OFF, LeftAfterEnd, left_after_end, left_line, left_read, left_written
 from nospill.certification.verdict import Row
@@ -35,7 +36,8 @@ def test_each_column_is_the_row_of_a_scene_that_asks_for_it(moved: tuple[Scene, 
     scene, trajectory = moved
     found = left_after_end(trajectory, scene)
     second = replace(scene, motion=replace(scene.motion, residual_height="second order"))
-    plain, ordered = _residuals(trajectory, scene), _residuals(trajectory, second)
+    whole = replace(scene, motion=replace(scene.motion, residual_height="nonlinear"))
+    plain, ordered, of_flow = (_residuals(trajectory, asked) for asked in (scene, second, whole))
     off = []
     for sign in (-1, 1):
         by = Perturbation(frequency=sign * OFF)
@@ -45,8 +47,18 @@ def test_each_column_is_the_row_of_a_scene_that_asks_for_it(moved: tuple[Scene, 
     for name, own in found.items():
         assert own.linear == pytest.approx(plain[name], rel=1e-6)
         assert own.second_order == pytest.approx(ordered[name], rel=1e-6) and own.second_order != own.linear
+        assert own.by_flow == pytest.approx(of_flow[name], rel=1e-6) and own.by_flow != own.second_order
         assert own.off == pytest.approx(max(item[name] for item in off), rel=1e-6)
         assert own.limit == pytest.approx(scene.motion.residual_fraction * _limit(scene, name))
+
+
+def test_what_a_flow_leaves_that_breaks_down_is_not_known(
+    moved: tuple[Scene, Trajectory], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, trajectory = moved
+    monkeypatch.setattr(module, "broken_flows", lambda *_: {"cup": (0.1, 0.03)})
+    found = left_after_end(trajectory, scene)
+    assert found["cup"].by_flow is None and found["mug"].by_flow is not None
 
 
 def _limit(scene: Scene, name: str) -> float:
@@ -61,13 +73,12 @@ def test_the_published_physics_has_none(moved: tuple[Scene, Trajectory]) -> None
 
 
 def test_the_line_names_those_with_the_most_beyond_their_limits() -> None:
-    left = {f"c{number}": LeftAfterEnd(0.003, 0.001, 0.001 * number, None) for number in range(1, 6)}
+    left = {f"c{number}": LeftAfterEnd(0.003, 0.001, 0.001 * number, None, 0.0015) for number in range(1, 6)}
     assert left_read(left_written(left)) == left
     line = left_line(left)
-    assert line.startswith(
-        "left after the end (linear, of second order, frequencies 1 % off): c2 1, 2, not known of 3 mm"
-    )
-    assert line.endswith("c5 1, 5, not known of 3 mm; and 1 more") and left_line({}) == ""
+    head = "left after the end (linear, of second order, by the whole flow, frequencies 1 % off): "
+    assert line.startswith(head + "c2 1, 2, 1.5, not known of 3 mm")
+    assert line.endswith("c5 1, 5, 1.5, not known of 3 mm; and 1 more") and left_line({}) == ""
 
 
 def test_heights_after_the_end_are_called_linear_where_those_before_are_not() -> None:

@@ -1,7 +1,8 @@
-"""What a motion leaves of each liquid's waves, in three figures: linear heights promise more than water keeps.
+"""What a motion leaves of each liquid's waves, in four figures: linear heights promise more than water keeps.
 
-Linear, of second order, and the higher of both with all frequencies of the liquids off by `OFF`, up and down: what a
-fill, a temperature or a contact line other than stated does to waves that the motion stills by their phase.
+Linear, of second order, by the nonlinear flow, and the higher of the first two with all frequencies of the liquids off
+by `OFF`, up and down: what a fill, a temperature or a contact line other than stated does to waves that the motion
+stills by their phase.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from nospill.certification.by_flow import broken_flows
 from nospill.certification.carriers import with_liquids_apart
 from nospill.certification.replay import Replay, replay
 from nospill.certification.run import Run, run_of
@@ -23,6 +25,7 @@ from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.motion.holds import held_trajectory
 from nospill.motion.trajectory import Trajectory
 from nospill.scene.cargo import Cargo, Tolerance
+from nospill.scene.heights import by_nonlinear_flow
 from nospill.scene.scene import Scene
 from nospill.scene.tolerances import corner_scenes
 
@@ -42,17 +45,19 @@ class LeftAfterEnd:
         second_order: None where it is not known.
         off: of the highest order that is known, with frequencies `OFF` higher or lower; None where it cannot be
             integrated, and where it begins with a swing, which is stated for its own frequencies.
+        by_flow: as the nonlinear flow has it; None where it does not follow the liquid, or breaks down.
     """
 
     limit: float
     linear: float
     second_order: float | None
     off: float | None
+    by_flow: float | None = None
 
     @property
     def most(self) -> float:
-        """The greatest of the three, m."""
-        return max(self.linear, self.second_order or 0.0, self.off or 0.0)
+        """The greatest of the four, m."""
+        return max(self.linear, self.second_order or 0.0, self.by_flow or 0.0, self.off or 0.0)
 
 
 def left_after_end(trajectory: Trajectory, scene: Scene, played: Replay | None = None) -> dict[str, LeftAfterEnd]:
@@ -83,6 +88,7 @@ def left_after_end(trajectory: Trajectory, scene: Scene, played: Replay | None =
         others = _heights_of_others(run, asked)
     except ModelError:  # of the liquids with frequencies that are off
         others = {}
+    of_flow = _heights_by_flow(run, asked, stated)
     lids = {item.name for item in scene.cargo if item.filling is not None and item.filling.lid}
     found = {}
     for trace in constraint_traces(run.record, asked, stated, points=[EvaluationPoint.END]):
@@ -94,8 +100,24 @@ def left_after_end(trajectory: Trajectory, scene: Scene, played: Replay | None =
             linear=height if trace.linear is None else float(np.max(trace.linear)),
             second_order=None if trace.linear is None else height,
             off=max(others.get(trace.subject, []), default=None),
+            by_flow=of_flow.get(trace.subject),
         )
     return found
+
+
+def _heights_by_flow(run: Run, scene: Scene, stated: Replay) -> dict[str, float]:
+    """Heights after the end, m, of the liquids that the nonlinear flow follows to the end, by object."""
+    asked = replace(scene, motion=replace(scene.motion, residual_height="nonlinear"))
+    broken = broken_flows(asked, stated)
+    followed = {item.name for item in asked.cargo if by_nonlinear_flow(item, "nonlinear")} - broken.keys()
+    if not followed:
+        return {}
+    traces = constraint_traces(run.record, asked, stated, points=[EvaluationPoint.END])
+    return {
+        trace.subject: float(np.max(trace.value))
+        for trace in traces
+        if trace.constraint == ResidualHeight.name and trace.subject in followed
+    }
 
 
 def _heights_of_others(run: Run, scene: Scene) -> dict[str, list[float]]:
@@ -128,17 +150,17 @@ def _off(cargo: Cargo) -> Cargo:
 def left_line(left: Mapping[str, LeftAfterEnd]) -> str:
     """The figures of the liquids with the most beyond their limits, in one line; empty where there are none.
 
-    "left after the end (linear, of second order, frequencies 1 % off): c1 2.2, 5.8, 6.1 of 3 mm; c2 ...".
+    "left after the end (linear, of second order, by the whole flow, frequencies 1 % off): c1 2.2, 5.8, 6, 6.1 of 3 mm".
     """
     worst = sorted(left, key=lambda name: -left[name].most / max(left[name].limit, 1e-12))
     named = [name for name in left if name in worst[:_NAMED]]
     more = f"; and {len(left) - len(named)} more" if len(left) > len(named) else ""
-    head = f"left after the end (linear, of second order, frequencies {100 * OFF:g} % off)"
+    head = f"left after the end (linear, of second order, by the whole flow, frequencies {100 * OFF:g} % off)"
     return f"{head}: " + "; ".join(_figures(name, left[name]) for name in named) + more if left else ""
 
 
 def _figures(name: str, own: LeftAfterEnd) -> str:
-    heights = (own.linear, own.second_order, own.off)
+    heights = (own.linear, own.second_order, own.by_flow, own.off)
     shown = ", ".join("not known" if value is None else f"{1e3 * value:.2g}" for value in heights)
     return f"{name} {shown} of {1e3 * own.limit:.3g} mm"
 
