@@ -49,7 +49,7 @@ def test_in_a_box_that_does_not_turn_too() -> None:
 @pytest.mark.parametrize("sides", [(0.08, 0.06), (0.08, 0.08)])
 def test_a_turn_pushes_a_yaw_mode_as_it_pushes_its_mass(sides: tuple[float, float]) -> None:
     """Of both modes of one frequency in a square box, too: C d'' of the mass is kappa times the turn's pressure."""
-    changes = dict(zip(("cargo.box.length", "cargo.box.width"), sides, strict=True))
+    changes: dict[str, object] = {"cargo.box.length": sides[0], "cargo.box.width": sides[1]}
     box = next(item for item in read_scenario("mixed-tray").changed(changes).cargo if item.name == "box")
     terms, columns = linear_terms(basin_of(box)), [mode for mode in box.oscillators for _ in mode.directions]
     gains = height_gains(box.oscillators, terms.basin)
