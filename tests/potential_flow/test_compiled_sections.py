@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -17,19 +16,14 @@ from nospill.potential_flow.nonlinear import full_flow
 from nospill.potential_flow.orders import LinearTerms, linear_terms
 from nospill.potential_flow.solving import whole_flow
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
-from tests.compiling import own_library
 from tests.hasty import COMPILER
 from tests.waters import STILL, cup, tub
 
-pytestmark = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
+pytestmark = [
+    pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler"),
+    pytest.mark.usefixtures("flow_library"),
+]
 STEP = 1e-3
-
-
-@pytest.fixture(scope="module", autouse=True)
-def library(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """The compiled flow, of this module's tests alone."""
-    with own_library("flow", tmp_path_factory.mktemp("flow")) as found:
-        yield found
 
 
 def _case(terms: LinearTerms, seed: int, count: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -81,7 +75,7 @@ def test_a_step_is_the_one_by_law(liquid: object, finest: float) -> None:
 
 
 def test_a_processor_without_fused_products_finds_the_same(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    flow_library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     terms = linear_terms(basin_of(tub()))
     state, rows = _case(terms, 3, 3)
@@ -91,7 +85,7 @@ def test_a_processor_without_fused_products_finds_the_same(
     monkeypatch.setattr(libraries, "source", lambda _: plain)
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "cache"))
     other = small_library("flow", wait=True)
-    assert other is not None and other != library
+    assert other is not None and other != flow_library
     np.testing.assert_allclose(_stepped(*arguments), expected, rtol=1e-10, atol=1e-12 * np.max(np.abs(expected)))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,19 +18,14 @@ from nospill.potential_flow.nonlinear import full_flow
 from nospill.potential_flow.orders import LinearTerms, linear_terms
 from nospill.potential_flow.solving import flow_states, whole_flow
 from nospill.scene.sloshing.modes import STANDARD_GRAVITY
-from tests.compiling import own_library
 from tests.hasty import COMPILER
 from tests.waters import STILL, cup, tub
 
-pytestmark = pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler")
+pytestmark = [
+    pytest.mark.skipif(shutil.which(COMPILER) is None, reason="no C compiler"),
+    pytest.mark.usefixtures("flow_library"),
+]
 STEP = 1e-3
-
-
-@pytest.fixture(scope="module", autouse=True)
-def library(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """The compiled flow, of this module's tests alone."""
-    with own_library("flow", tmp_path_factory.mktemp("flow")) as found:
-        yield found
 
 
 def _terms(finest: float = FINE, radius: float = 0.035, depth: float = 0.049) -> LinearTerms:
@@ -110,7 +105,7 @@ def test_cups_of_other_sizes_and_steps_go_side_by_side() -> None:
 
 
 def test_a_processor_without_fused_products_finds_the_same(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    flow_library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     terms = _terms(COARSE)
     states, rows = _case(terms, 2, 3)
@@ -119,7 +114,7 @@ def test_a_processor_without_fused_products_finds_the_same(
     monkeypatch.setattr(libraries, "source", lambda _: plain)
     monkeypatch.setenv("NOSPILL_CACHE", str(tmp_path / "cache"))
     other = small_library("flow", wait=True)
-    assert other is not None and other != library
+    assert other is not None and other != flow_library
     found = _stepped(terms, states, rows)
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12 * np.max(np.abs(expected)))
 

@@ -95,6 +95,7 @@ def test_where_no_stop_is_found_what_is_left_of_the_plan_is_the_answer(
     limit = plan.scene.cargo[0].filling.max_slosh_height  # type: ignore[union-attr]
     assert excess == pytest.approx(max(row.worst_value for row in whole.rows if not row.ok) - limit)
     assert found.broken == () and found.text.startswith(f"recovering: {name} ")
+    assert found.text.endswith("; no stop was found, it is what is left of the plan")
     calm = ns.recover(plan, plan.state_at(AT))
     assert calm.certificate.ok and calm.stop.origin == "rest of the plan" and calm.text == "certified"
 
@@ -107,7 +108,9 @@ def test_what_is_left_of_the_plan_says_which_other_rows_it_breaks(plan: Plan, mo
     found = ns.recover(smooth, replace(smooth.state_at(AT), swings=state.swings))
     (slip,) = found.broken
     assert slip.startswith("slip of ") and found.moves
-    assert found.text.endswith(f"no stop was found that keeps all other limits, and in the rest of the plan {slip}")
+    assert found.text.endswith(f"; no stop was found, it is what is left of the plan; {slip}")
+    calm = ns.recover(smooth, smooth.state_at(AT))
+    assert not calm.excess and calm.broken and calm.text.startswith("recovering: no liquid is too high; ")
 
 
 def test_what_stands_above_the_rim_has_been_spilled(plan: Plan) -> None:

@@ -71,21 +71,27 @@ class Recovery:
     @property
     def text(self) -> str:
         """What it does, in words: "recovering: c1 2.1 mm too high, until 0.312 s"."""
-        moves = "; by the whole physics an object moves" if self.moves else ""
-        if self.broken:
-            broken = "; ".join(self.broken)
-            moves += f"; no stop was found that keeps all other limits, and in the rest of the plan {broken}"
+        further = ["by the whole physics an object moves"] if self.moves else []
+        if not (self.excess or self.broken):
+            return "; ".join(["certified", *further])
+        if self.stop.origin == "rest of the plan":
+            further += ["no stop was found, it is what is left of the plan", *self.broken]
+        return "; ".join([f"recovering: {self._heights}", *further])
+
+    @property
+    def _heights(self) -> str:
+        """By how much liquids are too high and until when, in words."""
         if not self.excess:
-            return f"certified{moves}"
+            return "no liquid is too high"
         worst = ", ".join(
             f"{name} {1e3 * over:.1f} mm too high" + (" and over the rim" if name in self.spilled else "")
             for name, over in sorted(self.excess.items())
         )
         if not math.isfinite(self.until):
-            return f"recovering: {worst}, also {HORIZON:g} s after the arm stands{moves}"
+            return f"{worst}, also {HORIZON:g} s after the arm stands"
         after = self.until - self.stop.duration
         stands = f", {after:.3f} s after the arm stands" if after > 0.0 else ""
-        return f"recovering: {worst}, until {self.until:.3f} s{stands}{moves}"
+        return f"{worst}, until {self.until:.3f} s{stands}"
 
 
 def recover(plan: Plan, state: MotionState, *, residual: float = 1.0) -> Recovery:
