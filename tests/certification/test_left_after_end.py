@@ -75,6 +75,8 @@ def test_the_published_physics_has_none(moved: tuple[Scene, Trajectory]) -> None
 def test_the_line_names_those_with_the_most_beyond_their_limits() -> None:
     left = {f"c{number}": LeftAfterEnd(0.003, 0.001, 0.001 * number, None, 0.0015) for number in range(1, 6)}
     assert left_read(left_written(left)) == left
+    older = left_read({"c1": {"limit": 0.003, "linear": 0.001, "second_order": None, "off": None}})
+    assert older == {"c1": LeftAfterEnd(0.003, 0.001, None, None, None)}  # of a version without the flow's figure
     line = left_line(left)
     head = "left after the end (linear, of second order, by the whole flow, frequencies 1 % off): "
     assert line.startswith(head + "c2 1, 2, 1.5, not known of 3 mm")
