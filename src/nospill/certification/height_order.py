@@ -32,7 +32,8 @@ def height_orders(scene: Scene) -> dict[str, str]:
 def height_note(scene: Scene) -> str:
     """Which heights are linear at full fidelity and why, in one line; empty where none is.
 
-    "slosh height of soup, white, red: linear, since the flow is known in upright cylinders and boxes only".
+    "slosh height of soup, white, red: linear, since the flow is known in upright cylinders and boxes only", or
+    "residual height: linear, since tolerance.tracking is a band of arms".
     """
     if scene.fidelity != "full":
         return ""
@@ -43,7 +44,10 @@ def height_note(scene: Scene) -> str:
     for name, order in orders.items():
         if order.startswith(_LINEAR):
             alike.setdefault(order, []).append(titles[name])
-    return "; ".join(f"{heights}{_of(names, len(orders))}: {order}" for order, names in alike.items())
+    notes = [f"{heights}{_of(names, len(orders))}: {order}" for order, names in alike.items()]
+    if scene.motion.residual_linear_since and not scene.motion.stop:
+        notes.append(f"{ResidualHeight.name}: {_LINEAR}{scene.motion.residual_linear_since}")
+    return "; ".join(notes)
 
 
 def flow_note(scene: Scene) -> str:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from nospill.core.units import as_written, format_quantity
 from nospill.errors import ScenarioError
 from nospill.paths.path import Path
 from nospill.scenario.model import Scenario
 from nospill.scene.cargo import Cargo
-from nospill.scene.heights import HeightOrder, linear_since
+from nospill.scene.heights import HeightOrder, by_nonlinear_flow, linear_since, to_second_order
+from nospill.scene.scene import FULL_MODES
+from nospill.scene.variants import liquid_offsets
 
 _LEVEL = math.radians(0.1)
 """Lean of a tray on which a liquid rests: 0.06 mm at the wall of a cup of 35 mm."""
@@ -45,7 +48,7 @@ def check_motion(scenario: Scenario) -> None:
 
 def check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
     """Refuse heights of second order and of the nonlinear flow where the scene has none."""
-    residual, stated = scenario.motion.residual_height, scenario.motion.slosh_height
+    residual, stated = residual_order(scenario, cargo)[0], scenario.motion.slosh_height
     over_band = scenario.tolerance is not None and scenario.tolerance.has_band
     if residual != "linear" and over_band:
         raise ScenarioError(
@@ -96,6 +99,43 @@ def height_order(scenario: Scenario) -> tuple[HeightOrder, str]:
     if scenario.motion.speed_range is not None:
         return "linear", "over motion.speed_range the second order is asked for only where it is stated"
     return "second order", ""
+
+
+def residual_order(scenario: Scenario, cargo: tuple[Cargo, ...]) -> tuple[HeightOrder, str]:
+    """To which order heights after the end are judged, and why all of them are linear where they are.
+
+    Where it is not stated they are those of the nonlinear flow, where that follows every liquid whose second order is
+    known. What it does not know of a single one would be of second order, and kept by far smoother motions of all.
+    """
+    stated = scenario.motion.residual_height
+    if stated is not None:
+        return stated, "motion.residual_height says so" if stated == "linear" else ""
+    if height_order(scenario)[0] == "linear":
+        return "linear", ""
+    known = [item for item in cargo if to_second_order(item, "nonlinear")]
+    reason = _not_followed(scenario, known)
+    return ("linear", reason) if reason or not known else ("nonlinear", "")
+
+
+def _not_followed(scenario: Scenario, known: Sequence[Cargo]) -> str:
+    """Why the nonlinear flow does not follow all liquids of second order, as the end of a sentence; empty if it does.
+
+    Args:
+        scenario: what is stated.
+        known: its objects with such a liquid.
+    """
+    if scenario.motion.speed_range is not None:
+        return "motion.speed_range has other speeds than the planned one"
+    if scenario.tolerance is not None and scenario.tolerance.has_band:
+        return "tolerance.tracking is a band of arms"
+    if scenario.planning.slosh_modes is not None and scenario.planning.slosh_modes < FULL_MODES:
+        return "planning.slosh_modes leaves modes out"
+    for item in known:
+        if any(offset.frequency for offset in liquid_offsets(item)):
+            return f"{as_written(item.name)} has a range of frequencies"
+        if not by_nonlinear_flow(item, "nonlinear"):
+            return f"{as_written(item.name)} swings when the motion begins"
+    return ""
 
 
 def check_still_end(scenario: Scenario) -> None:

@@ -137,12 +137,13 @@ class MotionTable(Table):
         ),
     ] = None
     residual_height: Annotated[
-        HeightOrder,
+        HeightOrder | None,
         Field(
             description="what residual_fraction bounds: the linear height after the end, or, where slosh_height is "
-            "not linear, that of second order or that of the nonlinear flow"
+            "not linear, that of second order or that of the nonlinear flow; when left out the last, or linear where "
+            "the flow does not follow every liquid whose second order is known"
         ),
-    ] = "linear"
+    ] = None
     duration: Annotated[
         OptionalQuantity,
         Measured(dimension="time", at_least=SHORTEST_DURATION, at_most=600.0),

@@ -21,7 +21,14 @@ from nospill.scenario.arrays import MOST_OBJECTS, check_array, members, spread_t
 from nospill.scenario.cargo_entries import CargoTable
 from nospill.scenario.cargo_reader import read_cargo
 from nospill.scenario.carrier_reader import check_carrier, loaded, seated
-from nospill.scenario.conflicts import check_ends, check_height, check_motion, check_still_end, height_order
+from nospill.scenario.conflicts import (
+    check_ends,
+    check_height,
+    check_motion,
+    check_still_end,
+    height_order,
+    residual_order,
+)
 from nospill.scenario.fields import FREE
 from nospill.scenario.in_motion import require_may_begin_in_motion
 from nospill.scenario.layout import layout_faults
@@ -121,7 +128,7 @@ def read_scene(
         source["obstacle"] = [
             {**entry, **update} for entry, update in zip(table["obstacle"], described_obstacles, strict=True)
         ]
-    motion = _motion(scenario, path, tray, passed, interface)
+    motion = _motion(scenario, path, tray, cargo, passed, interface)
     with _at(label, "[output]"):
         output_rate = _output_rate(scenario, controller)
     with _at(label, "[initial_state]"):
@@ -300,10 +307,16 @@ def _path_jerk_limit(rules: MotionTable, path: Path, tray: Tray) -> float:
 
 
 def _motion(
-    scenario: Scenario, path: Path, tray: Tray, passed: tuple[Via, ...], interface: Interface | None
+    scenario: Scenario,
+    path: Path,
+    tray: Tray,
+    cargo: tuple[Cargo, ...],
+    passed: tuple[Via, ...],
+    interface: Interface | None,
 ) -> MotionRules:
     rules, range_ = scenario.motion, scenario.motion.speed_range
     order, reason = height_order(scenario)
+    residual, residual_reason = residual_order(scenario, cargo)
     speeds = [rules.max_speed, interface.checks.hand_speed if interface and interface.checks else None]
     own = {
         "max_speed": min((speed for speed in speeds if speed is not None), default=None),
@@ -316,6 +329,8 @@ def _motion(
         "via": passed,
         "slosh_height": order,
         "linear_since": reason,
+        "residual_height": residual,
+        "residual_linear_since": residual_reason,
     }
     return _record_of(MotionRules, rules, own)
 

@@ -70,6 +70,7 @@ class MotionRules:
         slosh_height: to which order the heights of the liquids are judged, as far as it is known of them.
         linear_since: why all of them are linear, as the end of a sentence; empty where they are not, or as published.
         residual_height: likewise, of heights after the end; linear where `slosh_height` is.
+        residual_linear_since: why these alone are linear, as the end of a sentence; empty elsewhere.
         stop: whether it may come to rest anywhere on its path.
         stoppable: s, within which a certified stop exists at every instant; None where that is not asked for.
     """
@@ -94,6 +95,7 @@ class MotionRules:
     slosh_height: HeightOrder = "linear"
     linear_since: str = ""
     residual_height: HeightOrder = "linear"
+    residual_linear_since: str = ""
     stop: bool = False
     stoppable: float | None = None
 
