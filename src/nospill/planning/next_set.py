@@ -65,7 +65,7 @@ _FAR = 0.05
 """Part of a limit; a motion that is over one by more as planned is made for the arm as stated first."""
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
-_TO_SPARE = 0.03
+_TO_SPARE = 0.05
 """Back-off of a crest that is worth a round for itself."""
 _LIGHTER = 0.85
 """Part of the weights of the jerks that a motion that holds over a band of late arms has to promise for more solves."""
