@@ -37,7 +37,7 @@ help:
 demo: $(VENV)/.ready
 	$(VENV)/bin/nospill plan matrix-liquid -o $(DEMO)
 	@echo "pictures: $(CURDIR)/$(DEMO)/figures"
-	@echo "next, the same cups with the full physics, certified: 2.046 s"
+	@echo "next, the same cups with the full physics, certified: 2.080 s"
 	@echo "    $(VENV)/bin/nospill plan matrix-liquid --set fidelity=full -o out/matrix-liquid-full"
 
 test: $(VENV)/.ready
