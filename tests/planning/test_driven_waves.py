@@ -38,7 +38,7 @@ def test_upright_cups_and_boxes_have_them_with_their_modes() -> None:
     asked = scene.changed(_NONLINEAR)
     task = Task.of(asked)
     assert task.driven == {"cup", "mug", "box"}
-    assert not Task.of(scene).driven
+    assert not Task.of(scene.changed({"motion.residual_height": "linear"})).driven
     assert not Task.of(scene.changed({"motion.residual_height": "second order"})).driven
     refined = task.problem_scene(task.first_members, ["cup", "box"], 2)
     found = {cargo.name: item.driven for cargo, item in zip(refined.cargo, structure_of(refined).objects, strict=True)}
@@ -119,6 +119,16 @@ def test_the_flow_keeps_its_limit_in_a_motion_hardly_longer_than_with_linear_hei
     assert row.linear_value is not None and np.isfinite(row.worst_value)
     longer = found["nonlinear"].trajectory.end_time / found["linear"].trajectory.end_time
     assert longer < 1.06
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("end", ["published", "still"])
+def test_modes_that_are_to_stand_still_at_the_end_do(end: str) -> None:
+    """Those that the problem has not join it, as with other heights: no back-off stills them."""
+    scene = load("bracket-tray")
+    one = {"cargo": scene.source["cargo"][:1], "planning.intervals": 20, "motion.end": end}
+    found = plan(scene.changed(_NONLINEAR | one))
+    assert found.certificate.ok
 
 
 @pytest.mark.slow
