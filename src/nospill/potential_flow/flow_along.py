@@ -108,7 +108,9 @@ def _at(instants: np.ndarray, t: np.ndarray, rows: np.ndarray) -> np.ndarray:
     once = np.pad(once, ((0, 0), (1, 0)))
     twice = np.cumsum(steps * (once[:, :-1] + steps * (rows[:, :-1] / 2.0 + rises / 6.0)), axis=1)
     twice = np.pad(twice, ((0, 0), (1, 0)))
-    places = np.concatenate([instants[0] - width * np.array([2.0, 1.0]), instants, instants[-1] + width * np.array([1.0, 2.0])])
+    places = np.concatenate(
+        [instants[0] - width * np.array([2.0, 1.0]), instants, instants[-1] + width * np.array([1.0, 2.0])]
+    )
     at = np.searchsorted(t, places, side="right") - 1
     after = places - t[at]
     cubes = rises[:, at] / (6.0 * steps[at])
