@@ -75,7 +75,7 @@ def test_published_physics_are_linear_as_ever() -> None:
         (
             "mixed-tray",
             {"cargo.cup.initial_swing": _SWING, "cargo.mug.initial_swing": _SWING},
-            "slosh height and residual height of cup, mug: linear, since its swing at the beginning is known to the first",
+            "slosh height and residual height of cup, mug: linear, since its swing at the beginning is known to the",
         ),
     ],
 )

@@ -11,8 +11,8 @@ import pytest
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.height_order import flow_note, height_note
 from nospill.certification.tracks import judged_tracks, with_recorded_modes
-from nospill.plans.loading import load_plan
 from nospill.motion.trajectory import Trajectory
+from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scenario.loading import read_scenario

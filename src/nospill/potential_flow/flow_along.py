@@ -101,19 +101,20 @@ def _at(instants: np.ndarray, t: np.ndarray, rows: np.ndarray) -> np.ndarray:
     second difference, which the mean of anything slow is off by. Before and after the motion rows stay as they are.
     """
     width = float(instants[1] - instants[0])
-    ends = [t[0] - 2.5 * width], [t[-1] + 2.5 * width]
-    t, rows = np.concatenate([ends[0], t, ends[1]]), np.pad(rows, ((0, 0), (1, 1)), mode="edge")
+    t = np.concatenate([[t[0] - 3.0 * width], t, [t[-1] + 3.0 * width]])
+    rows = np.pad(rows, ((0, 0), (1, 1)), mode="edge")
     steps, rises = np.diff(t), np.diff(rows)
-    once = np.cumsum(0.5 * steps * (rows[:, 1:] + rows[:, :-1]), axis=1)
-    once = np.pad(once, ((0, 0), (1, 0)))
-    twice = np.cumsum(steps * (once[:, :-1] + steps * (rows[:, :-1] / 2.0 + rises / 6.0)), axis=1)
-    twice = np.pad(twice, ((0, 0), (1, 0)))
-    places = np.concatenate(
-        [instants[0] - width * np.array([2.0, 1.0]), instants, instants[-1] + width * np.array([1.0, 2.0])]
-    )
+    once = _summed(0.5 * steps * (rows[:, 1:] + rows[:, :-1]))
+    twice = _summed(steps * (once[:, :-1] + steps * (rows[:, :-1] / 2.0 + rises / 6.0)))
+    places = instants[0] + width * np.arange(-2, len(instants) + 2)
     at = np.searchsorted(t, places, side="right") - 1
     after = places - t[at]
-    cubes = rises[:, at] / (6.0 * steps[at])
-    integrals = twice[:, at] + after * (once[:, at] + after * (rows[:, at] / 2.0 + after * cubes))
-    means = np.diff(integrals, 2) / width**2
+    slopes = rises[:, at] / steps[at]
+    means = np.diff(twice[:, at] + after * (once[:, at] + after * (rows[:, at] / 2.0 + after * slopes / 6.0)), 2)
+    means /= width**2
     return means[:, 1:-1] - np.diff(means, 2) / 12.0
+
+
+def _summed(parts: np.ndarray) -> np.ndarray:
+    """Sums (k, n + 1) of parts (k, n), the first of none."""
+    return np.pad(np.cumsum(parts, axis=1), ((0, 0), (1, 0)))

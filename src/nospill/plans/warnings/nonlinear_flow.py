@@ -44,7 +44,7 @@ def flow_in_doubt(facts: Facts) -> Iterator[PlanWarning]:
     height = "height" if facts.scene.motion.slosh_height == "nonlinear" else "height after the end"
     for name, doubt in doubted_flows(facts.scene, facts.judgement.replay).items():
         text = (
-            f"{doubt}; the nonlinear flow that judges its {height} is no verdict there, see nospill verify DIR --water, "
-            "and try a smaller max_slosh_height or a longer motion.duration."
+            f"{doubt}; the nonlinear flow that judges its {height} is no verdict there, see nospill verify DIR "
+            "--water, and try a smaller max_slosh_height or a longer motion.duration."
         )
         yield PlanWarning("flow in doubt", name, text)
