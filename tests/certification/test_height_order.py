@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from nospill.certification.height_order import flow_note, height_note, height_orders
+from nospill.certification.height_order import flow_note, height_note, height_orders, height_sentence
 from nospill.certification.second_order import waves_along
 from nospill.errors import ModelError, ScenarioError
 from nospill.plans.swings import swing_table
@@ -93,6 +93,8 @@ def test_whose_heights_the_nonlinear_flow_judges_is_said() -> None:
     asked = {"motion.residual_height": "nonlinear"}
     assert flow_note(scene) == flow_note(scene.changed(asked)) == "residual height by the nonlinear flow: cup, mug, box"
     assert flow_note(scene.changed({"motion.residual_height": "linear"})) == ""
+    told = height_sentence(scene.changed({"cargo.mug.contact_line": "free"}))
+    assert re.fullmatch(" Slosh .* mug: linear, .* Residual height by the nonlinear flow: cup, box.", told)
     both = flow_note(scene.changed({**asked, "motion.slosh_height": "nonlinear"}))
     assert both.startswith("slosh height and residual height by the nonlinear flow: cup, mug")
     orders = height_orders(scene.changed({"motion.slosh_height": "nonlinear"}))

@@ -75,9 +75,9 @@ def flow_note(scene: Scene) -> str:
 
 
 def height_sentence(scene: Scene) -> str:
-    """The same as a sentence to be put behind others, with the space before it."""
-    note = height_note(scene)
-    return f" {note[:1].upper()}{note[1:]}." if note else ""
+    """Both notes as sentences to be put behind others, with the space before each."""
+    notes = (height_note(scene), flow_note(scene))
+    return "".join(f" {note[:1].upper()}{note[1:]}." for note in notes if note)
 
 
 def _of(names: list[str], count: int) -> str:
