@@ -18,7 +18,8 @@ from nospill.scene.containers.cylinder import Cylinder
 
 _STEP_ANGLE = 0.4
 """Largest step, rad of the fastest mode: what is left is within 1 % of that with a third of it. With 0.5 and more some
-flows of a third of the radius break down that do not with smaller steps."""
+flows of a third of the radius break down that do not with smaller steps. Where a mode's damping acts faster than it
+swings, in syrups, as a part of 1/(2 zeta omega): on high crests those break down otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +69,7 @@ def flows_along(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray, fines
     for places in together.values():
         own = [objects[place] for place in places]
         terms = [flow_terms(cargo, finest) for cargo in own]
-        spans = [float(t[-1] - t[0]) * float(np.max(one.basin.frequency)) / _STEP_ANGLE for one in terms]
-        counts = [int(np.ceil(span)) for span in spans]
+        counts = [int(np.ceil(float(t[-1] - t[0]) * _fastest(one) / _STEP_ANGLE)) for one in terms]
         step = np.array([2.0 * _instants(t, count)[1] for count in counts])
         along = [_rows(*one, t, body, max(counts)) for one in zip(own, terms, counts, strict=True)]
         states, reached = flow_states(terms, np.stack(along, axis=-1), step)
@@ -78,6 +78,12 @@ def flows_along(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray, fines
             breaks_at = None if steps == counts[index] else float(t[0] + steps * step[index])
             found[place] = FlowAlong(states[: steps + 1, index], float(step[index]), breaks_at)
     return [found[index] for index in range(len(objects))]
+
+
+def _fastest(terms: LinearTerms) -> float:
+    """Rate of what is fastest in a liquid, a mode or its damping, 1/s."""
+    basin = terms.basin
+    return float(np.max(basin.frequency * np.maximum(1.0, 2.0 * basin.damping)))
 
 
 def _instants(t: np.ndarray, count: int) -> np.ndarray:
