@@ -18,8 +18,10 @@ from nospill.scene.containers.cylinder import Cylinder
 
 _STEP_ANGLE = 0.4
 """Largest step, rad of the fastest mode: what is left is within 1 % of that with a third of it. With 0.5 and more some
-flows of a third of the radius break down that do not with smaller steps. Where a mode's damping acts faster than it
-swings, in syrups, as a part of 1/(2 zeta omega): on high crests those break down otherwise."""
+flows of a third of the radius break down that do not with smaller steps. In syrups the damping is faster than
+the modes, most on high crests."""
+_OF_DAMPING = 4.0
+"""Rate at which the damping acts on crests of 0.3 of the radius over zeta omega: with half of it syrups break down."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +85,7 @@ def flows_along(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray, fines
 def _fastest(terms: LinearTerms) -> float:
     """Rate of what is fastest in a liquid, a mode or its damping, 1/s."""
     basin = terms.basin
-    return float(np.max(basin.frequency * np.maximum(1.0, 2.0 * basin.damping)))
+    return float(np.max(basin.frequency * np.maximum(1.0, _OF_DAMPING * basin.damping)))
 
 
 def _instants(t: np.ndarray, count: int) -> np.ndarray:
