@@ -155,6 +155,7 @@ def test_a_flow_that_breaks_down_is_told_apart(
     over = replace(again, certificate=replace(judgement.certificate, rows=rows))
     (warning,) = [item for item in plan_warnings(scene, over, {}) if item.name == "flow"]
     assert warning.subject == "cup" and "breaks down at 0.62 s" in warning.text and "counts as" in warning.text
+    assert warning.text.endswith('or motion.residual_height = "second order".')
     assert not [item for item in plan_warnings(scene, again, {}) if item.name == "flow"]
 
 
@@ -200,6 +201,7 @@ def test_a_flow_is_in_doubt_where_the_second_opinion_doubts_it(
     assert np.ptp(since or [0.0]) <= 0.03  # s, a step of the judge's flow
     said = {item.subject: item.text for item in plan_warnings(scene, judgement, {}) if item.name == "flow in doubt"}
     assert said.keys() == {"cup", "mug", "box"} and said["cup"].startswith(doubt)
+    assert "judges its height after the end is no verdict" in said["cup"]
 
 
 def test_a_motion_is_followed_once(judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -122,6 +122,16 @@ def test_the_flow_keeps_its_limit_in_a_motion_hardly_longer_than_with_linear_hei
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("end", ["published", "still"])
+def test_modes_that_are_to_stand_still_at_the_end_do(end: str) -> None:
+    """Those that the problem has not join it, as with other heights: no back-off stills them."""
+    scene = load("bracket-tray")
+    one = {"cargo": scene.source["cargo"][:1], "planning.intervals": 20, "motion.end": end}
+    found = plan(scene.changed(_NONLINEAR | one))
+    assert found.certificate.ok
+
+
+@pytest.mark.slow
 def test_where_their_problem_has_no_answer_smoothness_stills_them(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
 

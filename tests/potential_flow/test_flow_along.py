@@ -43,6 +43,17 @@ def test_each_is_as_if_followed_alone() -> None:
     assert np.max(np.abs(found[0].end - found[2].end)) > 1e-4
 
 
+def test_what_is_faster_than_the_steps_is_not_taken_for_something_slow() -> None:
+    """Rows of joints with six digits at 1 kHz: they scatter, and their sums do not; at the steps alone they would."""
+    scatter = np.zeros((9, len(_T)))
+    places = 1e-6 * np.random.default_rng(3).standard_normal((3, len(_T)))
+    scatter[6:, 1:-1] = np.diff(places, 2) / (_T[1] - _T[0]) ** 2
+    body = _moved(0.5)
+    (calm,), (rough,) = flows_along([cup()], _T, body), flows_along([cup()], _T, body + scatter)
+    assert np.max(np.abs(scatter)) > 2.0  # m/s^2, four times what moves it
+    np.testing.assert_allclose(rough.end[0], calm.end[0], atol=0.03 * np.max(np.abs(calm.end[0])))
+
+
 def test_which_others_there_are_changes_nothing() -> None:
     """Each cup has steps of its own, however small those of a faster one are."""
     objects, body = [cup(0.05, 0.03), cup(0.025, 0.08), cup()], _moved(0.5)
@@ -71,3 +82,12 @@ def test_terms_are_kept_for_like_liquids() -> None:
     assert flow_terms(cup()) is flow_terms(replace(cup(), position=(0.1, 0.0)))
     assert flow_terms(cup()) is not flow_terms(cup(liquid_height=0.03))
     assert len(flow_terms(cup()).stiffness) == pytest.approx(28)
+
+
+def test_steps_follow_the_damping_of_syrups() -> None:
+    """With steps of the fastest mode alone its crests, which damping acts on more than on low waves, break down."""
+    liquid = {"density": 1200, "kinematic_viscosity": 1e-3, "surface_tension": 0.06}
+    syrup, body = cup(liquid=liquid), _moved(2.0)
+    (flow,), expected = flows_along([syrup], _T, body), _alone(syrup, body, 960)
+    assert flow.breaks_at is None
+    np.testing.assert_allclose(flow.end[0], expected[0], atol=0.02 * np.max(np.abs(expected[0])))

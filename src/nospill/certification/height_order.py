@@ -32,21 +32,21 @@ def height_orders(scene: Scene) -> dict[str, str]:
 def height_note(scene: Scene) -> str:
     """Which heights are linear at full fidelity and why, in one line; empty where none is.
 
-    "slosh height of soup, white, red: linear, since the flow is known in upright cylinders and boxes only", or
+    "slosh height and residual height of soup: linear, since the flow is known in upright cylinders and boxes only", or
     "residual height: linear, since tolerance.tracking is a band of arms".
     """
     if scene.fidelity != "full":
         return ""
-    orders, residual = height_orders(scene), scene.motion.residual_height != "linear" and not scene.motion.stop
-    heights = f"{SloshHeight.name} and {ResidualHeight.name}" if residual else SloshHeight.name
+    orders, alone = height_orders(scene), scene.motion.residual_linear_since
+    heights = SloshHeight.name if alone or scene.motion.stop else f"{SloshHeight.name} and {ResidualHeight.name}"
     titles = {cargo.name: cargo.title for cargo in scene.cargo}
     alike: dict[str, list[str]] = {}
     for name, order in orders.items():
         if order.startswith(_LINEAR):
             alike.setdefault(order, []).append(titles[name])
     notes = [f"{heights}{_of(names, len(orders))}: {order}" for order, names in alike.items()]
-    if scene.motion.residual_linear_since and not scene.motion.stop:
-        notes.append(f"{ResidualHeight.name}: {_LINEAR}{scene.motion.residual_linear_since}")
+    if alone and orders and not scene.motion.stop:
+        notes.append(f"{ResidualHeight.name}: {_LINEAR}{alone}")
     return "; ".join(notes)
 
 
@@ -75,9 +75,9 @@ def flow_note(scene: Scene) -> str:
 
 
 def height_sentence(scene: Scene) -> str:
-    """The same as a sentence to be put behind others, with the space before it."""
-    note = height_note(scene)
-    return f" {note[:1].upper()}{note[1:]}." if note else ""
+    """Both notes as sentences to be put behind others, with the space before each."""
+    notes = (height_note(scene), flow_note(scene))
+    return "".join(f" {note[:1].upper()}{note[1:]}." for note in notes if note)
 
 
 def _of(names: list[str], count: int) -> str:

@@ -160,7 +160,8 @@ def _after_stated(active: ActiveSet, judgement: Judgement, slack: Mapping[RowId,
         return active.with_driven(judgement)
     rows = [by_modes(row) for row in found]
     smooth, uses = active.smoothed(found), uses_of(active.on_members(rows, own=True))
-    at_end = {row: use for row, use in uses.items() if row.constraint in END_NAMES and row.subject not in active.driven}
+    by_flow = {RowId(ResidualHeight.name, name) for name in active.driven}
+    at_end = {row: use for row, use in uses.items() if row.constraint in END_NAMES and row not in by_flow}
     over = beyond_backoff(at_end, active.backoff, active.excess) if active.refined else 0.0
     return (
         _with_modes(active, rows, judgement)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from nospill.core.files import parsed_json
 from nospill.errors import PlanFolderError
 from nospill.plans.cycle import CyclePlan, leg_folder, planned_cycle
-from nospill.plans.loading import load_plan
+from nospill.plans.loading import as_certified, load_plan
 from nospill.plans.names import CERTIFICATE_FILE, CYCLE_FILE, SCENARIO_FILE
+from nospill.plans.plan import Plan
 from nospill.scenario.cycles import load_cycle
+from nospill.scene.cycle import CycleLeg
 
 _SAME = 1e-6
 """s."""
@@ -27,13 +30,19 @@ def load_cycle_plan(folder: str | Path) -> CyclePlan:
             raise PlanFolderError(f"{place}: not the folder of a planned cycle: {name} is missing")
     cycle = load_cycle(place)
     legs = [load_plan(place / leg_folder(index, leg.name)) for index, leg in enumerate(cycle.legs)]
-    plan = planned_cycle(cycle, legs)
+    plan = planned_cycle(replace(cycle, legs=tuple(map(_as_certified, cycle.legs, legs))), legs)
     try:
         summary = parsed_json((place / CYCLE_FILE).read_text(encoding="utf-8-sig"))
         said = [(str(leg["name"]), float(leg["motion_s"]), float(leg["dwell_s"])) for leg in summary["legs"]]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise PlanFolderError(f"{place}: {CYCLE_FILE} is damaged ({type(error).__name__})") from error
     return plan.with_changes(_changed(plan, said))
+
+
+def _as_certified(leg: CycleLeg, plan: Plan) -> CycleLeg:
+    """The leg to the order that its folder was read in, `loading.as_certified`."""
+    is_linear = plan.scene.source.get("motion", {}).get("residual_height") == "linear"
+    return replace(leg, scene=as_certified(leg.scene, plan.certificate.rows)) if is_linear else leg
 
 
 def _changed(plan: CyclePlan, said: list[tuple[str, float, float]]) -> list[str]:

@@ -14,6 +14,7 @@ from nospill.core.files import parsed_json
 from nospill.errors import PlanFolderError, ScenarioError
 from nospill.laws.constraints import constrained
 from nospill.laws.constraints.base import Constraint
+from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.motion.trajectory import read_trajectory
 from nospill.plans.approach import judge_whole
 from nospill.plans.names import (
@@ -29,6 +30,7 @@ from nospill.plans.plan import Plan
 from nospill.plans.summary import restored_records
 from nospill.plans.warnings.record import PlanWarning
 from nospill.scenario import read_scenario
+from nospill.scene.heights import by_nonlinear_flow
 from nospill.scene.limits import LimitRecord
 from nospill.scene.scene import Scene
 
@@ -71,7 +73,8 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
         summary = parsed_json((place / SUMMARY_FILE).read_text(encoding="utf-8-sig"))
         maxima, report = restored_records(summary)
         unjudged = _limits_not_at_hand(summary)
-        scene = constrained(read_scenario(place / SCENARIO_FILE), constraints)
+        read = _rows(certificate["rows"])
+        scene = constrained(as_certified(read_scenario(place / SCENARIO_FILE), read), constraints)
         names = {limit.name for limit in scene.constraints}
         scene = scene.with_constraints(scene.constraints, [limit for limit in unjudged if limit.name not in names])
         known = names.union(limit.name for limit in unjudged)
@@ -81,7 +84,7 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
             certificate=Certificate(
                 ok=certificate["ok"] and not scene.unjudged,
                 grid_hz=certificate["grid_hz"],
-                rows=_rows([row for row in certificate["rows"] if row["constraint"] not in known]),
+                rows=_some([row for row in read if row.constraint not in known]),
                 published=bool(certificate.get("published", False)),
                 modes=certificate.get("modes"),
                 full_model=_failing_rows(certificate),
@@ -97,6 +100,19 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
         # the repr of an error of decoding holds the whole file
         reason = f"{type(error).__name__}: {error.reason if isinstance(error, UnicodeDecodeError) else error}"[:200]
         raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({reason})") from error
+
+
+def as_certified(scene: Scene, rows: Iterable[Row]) -> Scene:
+    """The scene of saved rows, with linear heights after the end where those are and the scenario does not say it.
+
+    What is left out was linear in earlier versions, and a folder is about what it was certified for.
+    """
+    stated = scene.source.get("motion", {}).get("residual_height") is not None
+    linear = {row.subject for row in rows if row.constraint == ResidualHeight.name and row.linear_value is None}
+    by_flow = {item.name for item in scene.cargo if by_nonlinear_flow(item, scene.motion.residual_height)}
+    if stated or scene.motion.stop or not linear & by_flow:
+        return scene
+    return scene.changed({"motion.residual_height": "linear"})
 
 
 def _self_collision(certificate: Mapping[str, Any]) -> SelfCollision | None:
@@ -145,6 +161,10 @@ def _failing_rows(certificate: dict[str, Any]) -> tuple[Row, ...] | None:
 
 
 def _rows(found: list[dict[str, Any]]) -> tuple[Row, ...]:
-    if not found:
+    return _some([Row(**row) for row in found])
+
+
+def _some(rows: list[Row]) -> tuple[Row, ...]:
+    if not rows:
         raise ValueError("a certificate without rows")
-    return tuple(Row(**row) for row in found)
+    return tuple(rows)

@@ -113,8 +113,10 @@ def residual_order(scenario: Scenario, cargo: tuple[Cargo, ...]) -> tuple[Height
     if height_order(scenario)[0] == "linear":
         return "linear", ""
     known = [item for item in cargo if to_second_order(item, "nonlinear")]
+    if not known:
+        return "linear", ""
     reason = _not_followed(scenario, known)
-    return ("linear", reason) if reason or not known else ("nonlinear", "")
+    return ("linear", reason) if reason else ("nonlinear", "")
 
 
 def _not_followed(scenario: Scenario, known: Sequence[Cargo]) -> str:

@@ -1,4 +1,4 @@
-"""Warnings about the nonlinear flow that judges heights of liquids, where a scene asks for it."""
+"""Warnings about the nonlinear flow that judges heights of liquids, where it does."""
 
 from __future__ import annotations
 
@@ -17,9 +17,16 @@ def _mm(length: float) -> str:
 
 def flow(facts: Facts) -> Iterator[PlanWarning]:
     """The nonlinear flow that judges a height breaks down: the row is over its limit by no height of a liquid."""
-    rows, rules = facts.judgement.certificate.rows, facts.scene.motion
-    orders = {SloshHeight.name: rules.slosh_height, ResidualHeight.name: rules.residual_height}
-    over = {row.subject for row in rows if not row.ok and orders.get(row.constraint) == "nonlinear"}
+    rules = facts.scene.motion
+    orders = {
+        SloshHeight.name: ("slosh_height", rules.slosh_height),
+        ResidualHeight.name: ("residual_height", rules.residual_height),
+    }
+    over: dict[str, list[str]] = {}
+    for row in facts.judgement.certificate.rows:
+        key, order = orders.get(row.constraint, ("", "linear"))
+        if not row.ok and order == "nonlinear":
+            over.setdefault(row.subject, []).append(f'motion.{key} = "second order"')
     if not over:
         return
     for name, (breaks_at, height) in broken_flows(facts.scene, facts.judgement.replay).items():
@@ -27,16 +34,17 @@ def flow(facts: Facts) -> Iterator[PlanWarning]:
             text = (
                 f"the flow of the liquid breaks down at {breaks_at:.2f} s, so its height from there on is not known "
                 f"and counts as {_mm(height)}; try a smaller max_slosh_height, a longer motion.duration or "
-                '"second order" in the place of "nonlinear".'
+                f"{' and '.join(over[name])}."
             )
             yield PlanWarning("flow", name, text, breaks_at)
 
 
 def flow_in_doubt(facts: Facts) -> Iterator[PlanWarning]:
     """The nonlinear flow that judges a height goes through, and is not to be trusted, as `verify --water` says."""
+    height = "height" if facts.scene.motion.slosh_height == "nonlinear" else "height after the end"
     for name, doubt in doubted_flows(facts.scene, facts.judgement.replay).items():
         text = (
-            f"{doubt}; the nonlinear flow that judges its height is no verdict there, see nospill verify DIR --water, "
-            "and try a smaller max_slosh_height or a longer motion.duration."
+            f"{doubt}; the nonlinear flow that judges its {height} is no verdict there, see nospill verify DIR "
+            "--water, and try a smaller max_slosh_height or a longer motion.duration."
         )
         yield PlanWarning("flow in doubt", name, text)

@@ -78,12 +78,17 @@ def remedied(scene: Scene, cargo: Cargo, in_row: bool, left_is_over: bool) -> st
         return "plan with a smaller max_slosh_height"
     if scene.fidelity != "full":
         keys.append('fidelity = "full"')
-    elif not in_row:
+    comes_along = scene.fidelity != "full" and rules.speed_range is None and not _is_stated(scene, "slosh_height")
+    if not in_row and not comes_along:
         keys.append('motion.slosh_height = "second order"')
     if left_is_over and not rules.stop:
         flow = by_nonlinear_flow(cargo, "nonlinear")
         keys.append(f'motion.residual_height = "{"nonlinear" if flow else "second order"}"')
     return f"plan with {' and '.join(keys)}"
+
+
+def _is_stated(scene: Scene, key: str) -> bool:
+    return scene.source.get("motion", {}).get(key) is not None
 
 
 def _highest(facts: Facts, rows: Mapping[tuple[str, str], Row]) -> list[tuple[Cargo, Filling]]:
