@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from nospill.certification.height_order import flow_note, height_note, height_orders, height_sentence
+from nospill.certification.height_order import flow_note, height_note, height_orders, height_sentence, residual_orders
 from nospill.certification.second_order import waves_along
 from nospill.errors import ModelError, ScenarioError
 from nospill.plans.swings import swing_table
@@ -104,6 +105,21 @@ def test_whose_heights_the_nonlinear_flow_judges_is_said() -> None:
     assert some.endswith("nonlinear flow: box; others to the second order")
     none = {**swinging, "cargo.box.initial_swing": _SECOND}
     assert "of no liquid" in flow_note(scene.changed({**asked, **none}))
+
+
+def test_of_each_liquid_it_is_known_to_which_order_what_is_left_is_judged() -> None:
+    scene = read_scenario("mixed-tray")
+    flow = dict.fromkeys(("cup", "mug", "box"), "nonlinear")
+    assert residual_orders(scene) == flow
+    assert set(residual_orders(scene.changed({"motion.residual_height": "second order"})).values()) == {"second order"}
+    stated = residual_orders(scene.changed({"motion.residual_height": "linear"}))
+    assert set(stated.values()) == {"linear, since motion.residual_height says so"}
+    of_cup = residual_orders(scene.changed({"cargo.cup.contact_line": "free"}))
+    assert of_cup == {**flow, "cup": height_orders(scene.changed({"cargo.cup.contact_line": "free"}))["cup"]}
+    stop = replace(scene, motion=replace(scene.motion, stop=True))
+    assert set(residual_orders(stop).values()) == {"linear, since after a stop the modes alone are judged"}
+    published = read_scenario("matrix-liquid")
+    assert residual_orders(published) == height_orders(published)
 
 
 @pytest.mark.parametrize(

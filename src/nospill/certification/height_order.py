@@ -29,6 +29,21 @@ def height_orders(scene: Scene) -> dict[str, str]:
     return found
 
 
+def residual_orders(scene: Scene) -> dict[str, str]:
+    """The same of heights after the end."""
+    motion, found = scene.motion, height_orders(scene)
+    for cargo in scene.cargo:
+        if found.get(cargo.name, _LINEAR).startswith(_LINEAR):
+            continue
+        if motion.stop:
+            found[cargo.name] = f"{_LINEAR}after a stop the modes alone are judged"
+        elif motion.residual_height == "linear":
+            found[cargo.name] = _LINEAR + (motion.residual_linear_since or "motion.residual_height says so")
+        else:
+            found[cargo.name] = BY_FLOW if by_nonlinear_flow(cargo, motion.residual_height) else SECOND
+    return found
+
+
 def height_note(scene: Scene) -> str:
     """Which heights are linear at full fidelity and why, in one line; empty where none is.
 

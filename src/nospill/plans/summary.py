@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from nospill.certification.height_order import height_orders
+from nospill.certification.height_order import height_orders, residual_orders
 from nospill.certification.left_after_end import left_read, left_written
 from nospill.certification.other_speeds import SpeedUse
 from nospill.certification.survived import Survival
@@ -156,6 +156,7 @@ _SUMMARY: dict[str, _Computed | _Kept] = {
     "certificate": _Computed(_certificate_summary),
     "self_collision": _Computed(_self_collision),
     "slosh_height_order": _Computed(lambda plan: height_orders(plan.scene)),
+    "residual_height_order": _Computed(lambda plan: residual_orders(plan.scene)),
     "constraints": _Computed(lambda plan: [limit.to_dict() for limit in _limits(plan.scene)]),
     "held_back": _Computed(lambda plan: plan.limiting_text),
     "time_at_limit": _Kept("maxima", "time_at_limit"),
