@@ -65,6 +65,8 @@ _FAR = 0.05
 """Part of a limit; a motion that is over one by more as planned is made for the arm as stated first."""
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
+_SLIGHTLY_OVER = 0.02
+"""Part of a limit on what the flow leaves up to which another round of back-off does, whatever the last one did."""
 _TO_SPARE = 0.05
 """Back-off of a crest that is worth a round for itself."""
 _LIGHTER = 0.85
@@ -235,7 +237,8 @@ def _tightened(
     if far:
         return replace(active, backoff=backoff).joined(active.members | far, active.refined, judgement)
     excess = max((use for row, use in uses.items() if row.constraint in END_NAMES), default=1.0) - 1.0
-    spare = _to_spare(active, rows) if is_stuck(excess, active.excess) else {}
+    stuck = excess > _SLIGHTLY_OVER and is_stuck(excess, active.excess)
+    spare = _to_spare(active, rows) if stuck else {}
     backoff = {**shared_backoff(backoff, active.backoff, uses), **spare}
     if not joins and not crests and backoff == active.backoff:
         return active
