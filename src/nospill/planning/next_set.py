@@ -66,7 +66,7 @@ _FAR = 0.05
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
 _SLIGHTLY_OVER = 0.02
-"""Part of a limit on what the flow leaves up to which another round of back-off does, whatever the last one did."""
+"""Part of a limit on what the flow leaves up to which back-off or heavier jerks soon do, whatever the last ones did."""
 _TO_SPARE = 0.05
 """Back-off of a crest that is worth a round for itself."""
 _LIGHTER = 0.85
@@ -200,9 +200,9 @@ def _with_heavier_jerks(active: ActiveSet, smooth: ActiveSet, rows: Sequence[Row
     left = beyond_backoff_of_flow(active.on_members(rows), active.driven, active.backoff)
     by_flow = active.smoothness.heavier(FLOW, left)
     if by_flow.factor > smooth.smoothness.factor:
-        spare = _to_spare(active, rows) if is_nearly_kept(left) else {}
+        spare = _to_spare(active, rows, left - 1.0) if is_nearly_kept(left) else {}
         if spare:
-            return replace(active, backoff={**active.backoff, **spare})
+            return replace(active, backoff={**active.backoff, **spare}, crests_raised=True)
         raised = steadier_backoff(active.on_members(rows), active.driven, active.backoff)
         return replace(active, smoothness=by_flow, backoff=raised)
     return None if smooth.smoothness is active.smoothness else smooth
@@ -237,8 +237,7 @@ def _tightened(
     if far:
         return replace(active, backoff=backoff).joined(active.members | far, active.refined, judgement)
     excess = max((use for row, use in uses.items() if row.constraint in END_NAMES), default=1.0) - 1.0
-    stuck = excess > _SLIGHTLY_OVER and is_stuck(excess, active.excess)
-    spare = _to_spare(active, rows) if stuck else {}
+    spare = _to_spare(active, rows, excess) if is_stuck(excess, active.excess) else {}
     backoff = {**shared_backoff(backoff, active.backoff, uses), **spare}
     if not joins and not crests and backoff == active.backoff:
         return active
@@ -250,16 +249,25 @@ def _tightened(
         backoff=backoff,
         margins={**active.margins, **margins} if crests else active.margins,
         excess=excess,
+        crests_raised=active.crests_raised or bool(spare),
         crests=crests_of(broken, active.backoff),
         everywhere=active.everywhere | touching,
     )
 
 
-def _to_spare(active: ActiveSet, rows: Sequence[Row]) -> dict[RowId, float]:
+def _to_spare(active: ActiveSet, rows: Sequence[Row], over: float) -> dict[RowId, float]:
     """Less back-off of crests that are far below their limits, where the flow alone leaves too much; else none.
 
-    The crests of a coarse motion are higher, and what they are kept from makes a motion slower, not smoother.
+    The crests of a coarse motion are higher, and what they are kept from makes a motion slower, not smoother. Once: of
+    later ones less back-off may be a rougher motion.
+
+    Args:
+        active: of the problem whose answer was judged.
+        rows: as judged.
+        over: part of its limit by which the flow leaves more than that.
     """
+    if active.crests_raised or over <= _SLIGHTLY_OVER:
+        return {}
     own = list(active.on_members(rows, own=True))
     flow = {RowId(ResidualHeight.name, name) for name in active.driven}
     if not flow.issuperset(row.id for row in own if row.shortfall > 0.0):
