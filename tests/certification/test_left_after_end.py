@@ -22,7 +22,7 @@ from nospill.scene.scene import Scene
 @pytest.fixture(scope="module")
 def moved(smooth_motion: Callable) -> tuple[Scene, Trajectory]:
     """The two cups of the tray, and a motion."""
-    scene = read_scenario("mixed-tray")
+    scene = read_scenario("mixed-tray").changed({"motion.residual_height": "linear"})
     cups = tuple(item for item in scene.cargo if item.name in ("cup", "mug"))
     return replace(scene, cargo=cups), at_speed(smooth_motion("mixed-tray").trajectory, 0.8)
 

@@ -34,7 +34,8 @@ def _with_order(scene: Scene) -> Scene:
 @pytest.fixture(scope="module")
 def both(smooth_motion: Callable) -> tuple[Scene, Judgement, Judgement]:
     """The scene, and a smooth motion judged linearly and to the second order."""
-    scene, slow = read_scenario("mixed-tray"), at_speed(smooth_motion("mixed-tray").trajectory, 0.8)
+    scene = read_scenario("mixed-tray").changed({"motion.residual_height": "linear"})
+    slow = at_speed(smooth_motion("mixed-tray").trajectory, 0.8)
     linear = judge_motion(slow, scene.changed({"motion.slosh_height": "linear"}))
     return scene, linear, judge_motion(slow, _with_order(scene))
 

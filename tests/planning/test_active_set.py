@@ -30,6 +30,7 @@ from nospill.transcription.starting_motions import smooth_start
 from tests.builders import joint_path_of, one_mode
 
 Q = np.zeros((2, 6))
+_LINEAR = {"motion.residual_height": "linear"}
 
 
 def row(constraint: str, subject: str, margin: float, variant: str = "") -> Row:
@@ -71,7 +72,7 @@ def uncertain() -> Task:
 
 
 def test_liquids_that_break_a_limit_join_with_more_modes_before_anything_else() -> None:
-    scene = read_scenario("mixed-tray")
+    scene = read_scenario("mixed-tray").changed(_LINEAR)
     active = ActiveSet.of(Task.of(scene), Q)
     assert structure_of(active.scene).objects[0].modes == 1 and not active.refined
     broken = (row("slosh height", "cup", -0.08), row("slip", "bottle", -0.01), row("residual height", "box", -1.2))
@@ -84,7 +85,7 @@ def test_liquids_that_break_a_limit_join_with_more_modes_before_anything_else() 
 
 
 def test_jerks_weigh_more_where_modes_outside_the_problem_swing_too_far() -> None:
-    scene = read_scenario("mixed-tray")
+    scene = read_scenario("mixed-tray").changed(_LINEAR)
     residual = RowId("residual height", "box")
 
     def after(active: ActiveSet, use: float) -> ActiveSet:

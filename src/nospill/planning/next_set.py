@@ -18,9 +18,11 @@ from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.joint_position import JointPosition
+from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.driven_waves import (
     beyond_backoff_of_flow,
+    is_nearly_kept,
     relaxed_by_flow,
     smooth_enough,
     steadier_backoff,
@@ -35,7 +37,7 @@ from nospill.planning.members import (
 )
 from nospill.planning.second_order import by_modes, taken_by_order
 from nospill.planning.smoothness import FLOW, OTHER_MODES, SECOND_ORDER
-from nospill.planning.tightening import ROUGH, beyond_backoff, relaxed_backoff, shared_backoff
+from nospill.planning.tightening import ROUGH, beyond_backoff, is_stuck, relaxed_backoff, shared_backoff
 from nospill.planning.tracking_margins import (
     falling,
     half_way,
@@ -63,6 +65,8 @@ _FAR = 0.05
 """Part of a limit; a motion that is over one by more as planned is made for the arm as stated first."""
 _MOST_MODES = 6
 """Most modes of a liquid in a problem."""
+_TO_SPARE = 0.05
+"""Back-off of a crest that is worth a round for itself."""
 _LIGHTER = 0.85
 """Part of the weights of the jerks that a motion that holds over a band of late arms has to promise for more solves."""
 
@@ -163,7 +167,7 @@ def _after_stated(active: ActiveSet, judgement: Judgement, slack: Mapping[RowId,
         or _with_more_modes(active, over, judgement)
         or _with_heavier_jerks(active, smooth.as_smooth_as(active.smoothness.heavier(OTHER_MODES, over)), rows)
         or _with_members(active, rows, judgement)
-        or _tightened(active, smooth, rows, uses, at_end, judgement, slack)
+        or _tightened(active, smooth, rows, uses, judgement, slack)
     )
 
 
@@ -186,10 +190,16 @@ def _with_more_modes(active: ActiveSet, over: float, judgement: Judgement) -> Ac
 
 
 def _with_heavier_jerks(active: ActiveSet, smooth: ActiveSet, rows: Sequence[Row]) -> ActiveSet | None:
-    """With jerks that weigh more, by what the flow leaves or as `smooth` has them; none where they weigh the same."""
+    """With jerks that weigh more, by what the flow leaves or as `smooth` has them; none where they weigh the same.
+
+    Crests get back-off back before that, where they have any to spare and the flow leaves little too much.
+    """
     left = beyond_backoff_of_flow(active.on_members(rows), active.driven, active.backoff)
     by_flow = active.smoothness.heavier(FLOW, left)
     if by_flow.factor > smooth.smoothness.factor:
+        spare = _to_spare(active, rows) if is_nearly_kept(left) else {}
+        if spare:
+            return replace(active, backoff={**active.backoff, **spare})
         raised = steadier_backoff(active.on_members(rows), active.driven, active.backoff)
         return replace(active, smoothness=by_flow, backoff=raised)
     return None if smooth.smoothness is active.smoothness else smooth
@@ -209,7 +219,6 @@ def _tightened(
     smooth: ActiveSet,
     rows: Sequence[Row],
     uses: Mapping[RowId, float],
-    at_end: Mapping[RowId, float],
     judgement: Judgement,
     slack: Mapping[RowId, float],
 ) -> ActiveSet:
@@ -224,7 +233,9 @@ def _tightened(
     far = active.membership.far_peaks(rows, judgement.replay.t)
     if far:
         return replace(active, backoff=backoff).joined(active.members | far, active.refined, judgement)
-    backoff = shared_backoff(backoff, active.backoff, uses)
+    excess = max((use for row, use in uses.items() if row.constraint in END_NAMES), default=1.0) - 1.0
+    spare = _to_spare(active, rows) if is_stuck(excess, active.excess) else {}
+    backoff = {**shared_backoff(backoff, active.backoff, uses), **spare}
     if not joins and not crests and backoff == active.backoff:
         return active
     # bodies that touch in spite of their planes have none where they do: more back-off would move nothing
@@ -234,10 +245,23 @@ def _tightened(
         rows=smooth.rows | joins | {row.id for row in crests},
         backoff=backoff,
         margins={**active.margins, **margins} if crests else active.margins,
-        excess=max(at_end.values(), default=1.0) - 1.0,
+        excess=excess,
         crests=crests_of(broken, active.backoff),
         everywhere=active.everywhere | touching,
     )
+
+
+def _to_spare(active: ActiveSet, rows: Sequence[Row]) -> dict[RowId, float]:
+    """Less back-off of crests that are far below their limits, where the flow alone leaves too much; else none.
+
+    The crests of a coarse motion are higher, and what they are kept from makes a motion slower, not smoother.
+    """
+    own = list(active.on_members(rows, own=True))
+    flow = {RowId(ResidualHeight.name, name) for name in active.driven}
+    if not flow.issuperset(row.id for row in own if row.shortfall > 0.0):
+        return {}
+    found = relaxed_by_order(own, active.backoff)
+    return found if any(active.backoff[row] - value > _TO_SPARE for row, value in found.items()) else {}
 
 
 def _far_over(judgement: Judgement) -> bool:

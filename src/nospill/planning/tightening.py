@@ -174,8 +174,17 @@ def beyond_backoff(at_end: Mapping[RowId, float], backoff: Mapping[RowId, float]
     """
     over = {row: use for row, use in at_end.items() if use > 1.0}
     most, tightest = max(over.values(), default=0.0), max((backoff[row] for row in over), default=0.0)
-    stuck = 0.0 < _STUCK * excess < most - 1.0
-    return most if most > ROUGH or is_saturated(tightest) or stuck else 0.0
+    return most if most > ROUGH or is_saturated(tightest) or is_stuck(most - 1.0, excess) else 0.0
+
+
+def is_stuck(over: float, before: float) -> bool:
+    """Whether a round of back-off has left most of an excess.
+
+    Args:
+        over: part of its limit by which a row is over it.
+        before: the same before that round; 0 where it was not over, or not known.
+    """
+    return 0.0 < _STUCK * before < over
 
 
 def backoff_with_room(backoff: float, linear: float) -> float:

@@ -54,7 +54,8 @@ def found(changed_scene, judgement) -> Callable[..., dict[tuple[str, str], PlanW
     def make(
         changes: Mapping[str, Any] | None = None, *, backoff: Mapping[str, float] | None = None, **evidence: Any
     ) -> dict[tuple[str, str], PlanWarning]:
-        scene = changed_scene(NAME, changes or {})
+        # a motion of the first modes alone, which the flow of another scene does not know
+        scene = changed_scene(NAME, {"motion.residual_height": "linear", **(changes or {})})
         warnings = plan_warnings(scene, replace(judgement, **evidence), backoff or {})
         return {(item.name, item.subject): item for item in warnings}
 
