@@ -278,7 +278,7 @@ def joint_path_of(plan: Plan) -> JointPath:
 
 def _from_afar(
     task: Task, state: MotionState, joint_path: JointPath, left: float, *, of_plan: bool
-) -> Iterator[tuple[Stages, tuple[float, float]]]:
+) -> Iterator[tuple[Stages, tuple[float | None, float]]]:
     """Motions from which a stop is looked for, with `_NEAR` or `_SMOOTH`; of a plan what is left of it first."""
     model = _first(task, state).scene
     if of_plan:
