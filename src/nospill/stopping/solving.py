@@ -62,12 +62,16 @@ _MODES = 2
 """Most modes of a liquid in the problem of a stop: with three an iteration takes half as long again."""
 _BACKOFF_KEPT = 0.8
 """Part of the back-off beyond the first one with which the stop from the next instant begins: all of it never fell."""
-_TOLERANCES = Tolerances(stationarity=1e-3, violation=1e-5, complementarity=5e-6, linear_system=1e-6, refinements=0)
+_LEAST_BARRIER = 2e-5
+"""The barrier is not adapted to less: that takes a third of the steps, and answers so near their limits are further
+from certified."""
+_TOLERANCES = Tolerances(stationarity=1e-3, violation=1e-5, complementarity=4e-5, linear_system=1e-6, refinements=0)
 """Every answer is judged, and tightened where need be: the last iterations shorten it by parts in 10,000."""
 _FIRST_TOLERANCES = replace(_TOLERANCES, stationarity=3e-3, violation=1e-4, complementarity=5e-5)
 """Of the first answer from an instant, which hardly ever is certified: what is tightened starts from it."""
-_SMOOTH, _REST, _WARM = (1e-2, 1e-3), (1e-4, 1e-4), (None, 5e-4)
-"""First barrier, and how far from its bounds a motion is moved: the rest of a plan keeps them, smooth ones do not."""
+_SMOOTH, _NEAR = (1e-2, 1e-3), (None, 5e-4)
+"""First barrier, and how far from its bounds a motion is moved: stops and the rest of a plan keep them, or nearly, and
+the barrier is adapted; smooth motions do not."""
 _WARM_ITERATIONS, _COLD_ITERATIONS, _MOST_TIME = 50, 100, 30.0
 _SAME = 1e-3
 """Ratio of two durations, less 1, up to which the motions count as the same."""
@@ -240,7 +244,7 @@ def _from_smooth_motions(
         found = _certified(scene, state, active, first, most, splice)
         if found is not None and found.stays:
             return found
-        if found is None and begin is _REST and splice is not None:
+        if found is None and begin is _NEAR and splice is not None:
             return None
         last = found or last
     return last
@@ -274,11 +278,11 @@ def joint_path_of(plan: Plan) -> JointPath:
 
 def _from_afar(
     task: Task, state: MotionState, joint_path: JointPath, left: float, *, of_plan: bool
-) -> Iterator[tuple[Stages, tuple[float, float]]]:
-    """Motions from which a stop is looked for, with `_REST` or `_SMOOTH`; of a plan what is left of it first."""
+) -> Iterator[tuple[Stages, tuple[float | None, float]]]:
+    """Motions from which a stop is looked for, with `_NEAR` or `_SMOOTH`; of a plan what is left of it first."""
     model = _first(task, state).scene
     if of_plan:
-        yield from_trajectory(model, state.rest, _INTERVALS), _REST
+        yield from_trajectory(model, state.rest, _INTERVALS), _NEAR
     for part in _PARTS:
         yield motion_to_rest(model, state.arm, joint_path, _INTERVALS, part * left), _SMOOTH
 
@@ -296,7 +300,7 @@ def _solved(
     active: ActiveSet,
     start: Stages,
     warm: Solution | None,
-    begin: tuple[float | None, float] = _WARM,
+    begin: tuple[float | None, float] = _NEAR,
     tolerances: Tolerances = _TOLERANCES,
 ) -> Solution:
     """The answer from a motion, with the multipliers of another problem where there is one."""
@@ -304,8 +308,9 @@ def _solved(
         max_iterations=_COLD_ITERATIONS if warm is None else _WARM_ITERATIONS,
         max_time=_MOST_TIME,
         tolerances=tolerances,
-        kkt_error_globalization=warm is not None,
+        kkt_error_globalization=True,
         barrier_start=begin[0],
+        least_barrier=_LEAST_BARRIER,
         bound_push=begin[1],
     )
     expecting = replace(active, expected=max(start.duration, 0.1))
