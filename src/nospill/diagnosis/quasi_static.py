@@ -35,11 +35,14 @@ _STANDING = 1e5
 def is_hopeless(scene: Scene, joint_path: JointPath) -> bool:
     """Whether even the slowest smooth motion breaks a limit several times over; of a given duration none is slow.
 
-    Near a singularity of the arm it says nothing of joints: a motion may slow down there alone.
+    Near a singularity of the arm it says nothing of joints: a motion may slow down there alone. Liquids count by their
+    modes after the end, which a faster motion may still as well: where the flow of this one breaks down, that is no
+    measure.
     """
     if scene.motion.duration is not None:
         return False
-    judged = quasi_static_motion(scene, joint_path)
+    by_modes = replace(scene, motion=replace(scene.motion.without_flow, residual_height="linear"))
+    judged = quasi_static_motion(by_modes, joint_path)
     if judged is None or judged[0].worst.worst_margin >= -abs(judged[0].worst.limit):
         return False
     worst, trajectory = judged[0].worst, judged[1]
