@@ -62,7 +62,7 @@ def test_savings_are_spoken_of_and_kept(example_plan: Callable[[str], Plan], tmp
     import nospill as ns
 
     found = example_plan("matrix-liquid-tilt")
-    assert found.savings_text.startswith("a limit wider by 10 % would save about 0.04")
+    assert found.savings_text.startswith("a limit wider by 10 % would save about 0.02")
     assert "(speed of joint 1)" in found.savings_text
     found.save(tmp_path / "plan")
     assert ns.load_plan(tmp_path / "plan").savings_text == found.savings_text

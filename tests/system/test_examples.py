@@ -29,9 +29,9 @@ def test_every_example_is_certified(name: str, example_plan: Example) -> None:
     assert all(row.ok and row.worst_margin >= 0.0 for row in found.certificate.rows)
     # Judged again from the record alone.
     assert certify(found.trajectory, found.scene) == found.certificate
-    # The fastest motion meets a limit of the scene, and meets it closely.
+    # The fastest motion meets a limit of the scene, and meets it closely; less so where jerks weigh more for the flow.
     names = {constraint.name for constraint in CONSTRAINTS}
-    assert 0.99 < max(row.use for row in found.certificate.rows if row.constraint in names) <= 1.0
+    assert 0.97 < max(row.use for row in found.certificate.rows if row.constraint in names) <= 1.0
     report = found.report
     assert report.starts.tried >= report.starts.converged == len(report.starts.durations) >= report.starts.agreed >= 1
     assert 0 < report.solve_time < report.plan_time and report.iterations > 0
@@ -66,8 +66,8 @@ DURATIONS = {
     "matrix-liquid-soft-end": 1.7240,
     "matrix-liquid-still": 2.0493,
     "matrix-liquid-tilt": 1.6832,
-    "matrix-liquid-tilt-robust": 1.7384,
-    "matrix-liquid-tilt-all-limits": 1.7081,
+    "matrix-liquid-tilt-robust": 1.7664,
+    "matrix-liquid-tilt-all-limits": 1.6989,
     "matrix-liquid-corridor": 1.5923,
     "matrix-liquid-point-to-point": 1.5054,
     "pp-two-cups": 1.8501,

@@ -66,7 +66,6 @@ class ActiveSet:
             another objective.
         smoothness: the factor on them, above 1 where only smoother motions keep some rows.
         excess: largest part of its limit by which a row on the final state was over it before the last back-off.
-        crests_raised: whether crests got back what a coarse motion kept them from.
         crests: of the broken rows in the problem before the last back-off.
         margins: what rows keep along the motion beside that, for arms that are late, or of a motion that goes on from a
             state for what the second order adds.
@@ -84,7 +83,6 @@ class ActiveSet:
     expected: float | None = None
     smoothness: Smoothness = AS_STATED
     excess: float = 0.0
-    crests_raised: bool = False
     crests: Crests = field(default_factory=dict)
     margins: Mapping[RowId, Margin] = field(default_factory=dict)
 

@@ -202,7 +202,7 @@ def _with_heavier_jerks(active: ActiveSet, smooth: ActiveSet, rows: Sequence[Row
     if by_flow.factor > smooth.smoothness.factor:
         spare = _to_spare(active, rows, left - 1.0) if is_nearly_kept(left) else {}
         if spare:
-            return replace(active, backoff={**active.backoff, **spare}, crests_raised=True)
+            return replace(active, backoff={**active.backoff, **spare})
         raised = steadier_backoff(active.on_members(rows), active.driven, active.backoff)
         return replace(active, smoothness=by_flow, backoff=raised)
     return None if smooth.smoothness is active.smoothness else smooth
@@ -249,7 +249,6 @@ def _tightened(
         backoff=backoff,
         margins={**active.margins, **margins} if crests else active.margins,
         excess=excess,
-        crests_raised=active.crests_raised or bool(spare),
         crests=crests_of(broken, active.backoff),
         everywhere=active.everywhere | touching,
     )
@@ -258,15 +257,14 @@ def _tightened(
 def _to_spare(active: ActiveSet, rows: Sequence[Row], over: float) -> dict[RowId, float]:
     """Less back-off of crests that are far below their limits, where the flow alone leaves too much; else none.
 
-    The crests of a coarse motion are higher, and what they are kept from makes a motion slower, not smoother. Once: of
-    later ones less back-off may be a rougher motion.
+    The crests of a coarse motion are higher, and what they are kept from makes a motion slower, not smoother.
 
     Args:
         active: of the problem whose answer was judged.
         rows: as judged.
         over: part of its limit by which the flow leaves more than that.
     """
-    if active.crests_raised or over <= _SLIGHTLY_OVER:
+    if over <= _SLIGHTLY_OVER:
         return {}
     own = list(active.on_members(rows, own=True))
     flow = {RowId(ResidualHeight.name, name) for name in active.driven}
