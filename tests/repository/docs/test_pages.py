@@ -57,7 +57,7 @@ def test_a_notebook_is_executed_without_importing_ipython_beside_the_figures(tmp
 def test_the_two_cups_of_get_started_are_certified() -> None:
     found = plan(read_scenario(DOCS / "examples" / "two-cups.toml"))
     assert found.certificate.ok
-    # What holds it back: slip, and the liquids, whose back-off to the second order and by the flow leaves a little (0131);
+    # What holds it back: slip, and the liquids, whose back-off, by the flow too, leaves a little (0131);
     # not the arm's speed.
     use = {row.constraint: row.use for row in found.certificate.worst_rows()}
     assert use["slip"] > 0.98 and max(use["slosh height"], use["residual height"]) > 0.90
