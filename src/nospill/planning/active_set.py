@@ -192,6 +192,11 @@ class ActiveSet:
         driven = self.task.driven & self.refined
         return frozenset(label for (name, _), label in self.names.items() if name in driven)
 
+    @property
+    def by_flow(self) -> frozenset[RowId]:
+        """Rows on what is left of these, which the flow judges."""
+        return frozenset(RowId(ResidualHeight.name, name) for name in self.driven)
+
     def judged_rows(self, judgement: Judgement) -> list[Row]:
         """The rows of every variant; what problems have as the judge has it, as they have it."""
         driven = self.task.driven

@@ -18,7 +18,6 @@ from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.clearance import Clearance
 from nospill.laws.constraints.joint_position import JointPosition
-from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.driven_waves import (
     beyond_backoff_of_flow,
@@ -162,8 +161,7 @@ def _after_stated(active: ActiveSet, judgement: Judgement, slack: Mapping[RowId,
         return active.with_driven(judgement)
     rows = [by_modes(row) for row in found]
     smooth, uses = active.smoothed(found), uses_of(active.on_members(rows, own=True))
-    by_flow = {RowId(ResidualHeight.name, name) for name in active.driven}
-    at_end = {row: use for row, use in uses.items() if row.constraint in END_NAMES and row not in by_flow}
+    at_end = {row: use for row, use in uses.items() if row.constraint in END_NAMES and row not in active.by_flow}
     over = beyond_backoff(at_end, active.backoff, active.excess) if active.refined else 0.0
     return (
         _with_modes(active, rows, judgement)
@@ -267,8 +265,7 @@ def _to_spare(active: ActiveSet, rows: Sequence[Row], over: float) -> dict[RowId
     if over <= _SLIGHTLY_OVER:
         return {}
     own = list(active.on_members(rows, own=True))
-    flow = {RowId(ResidualHeight.name, name) for name in active.driven}
-    if not flow.issuperset(row.id for row in own if row.shortfall > 0.0):
+    if not active.by_flow.issuperset(row.id for row in own if row.shortfall > 0.0):
         return {}
     found = relaxed_by_order(own, active.backoff)
     return found if any(active.backoff[row] - value > _TO_SPARE for row, value in found.items()) else {}
