@@ -105,6 +105,7 @@ typedef struct {
     int nodes;
     const int *start, *other; /* neighbours of each node, some more than once */
     const int *inequality;    /* whether a node is one; no two of them are neighbours */
+    const int *alone;         /* whether a node is a single row */
     int *level, *seen;        /* of nodes that are none; of those that are: whether they were looked at */
     int *first, *member;      /* nodes by level */
     int *local;               /* place of a node in the front */
@@ -187,7 +188,7 @@ static int eliminate_level(const Levels *g, int level, const int *at, int *degre
     for (; count > 0; count--) {
         int best = 0;
         for (int k = 1; k < count; k++)
-            if (degree[left[k]] < degree[left[best]]) best = k;
+            if (g->alone[left[k]] != g->alone[left[best]] ? !g->alone[left[k]] : degree[left[k]] < degree[left[best]]) best = k;
         int pivot = left[best];
         uint64_t *own = bits(g, pivot), mask = UINT64_C(1) << (g->local[pivot] % 64);
         for (int word = 0; word < g->width; word++)
@@ -206,12 +207,13 @@ static int eliminate_level(const Levels *g, int level, const int *at, int *degre
 }
 
 /* The order of the nodes; 0 without memory. */
-static int order_nodes(int nodes, const int *start, const int *other, const int *inequality, int *sequence) {
+static int order_nodes(int nodes, const int *start, const int *other, const int *inequality, const int *alone,
+                       int *sequence) {
     size_t size = (size_t)nodes + 1;
     int *whole = malloc(7 * size * sizeof *whole), next = 0, most[2] = {0, 0}, done = 0;
     if (!whole) return 0;
     memset(whole, 0, 7 * size * sizeof *whole);
-    Levels g = {nodes, start, other, inequality, whole, whole + size, whole + 2 * size, whole + 3 * size,
+    Levels g = {nodes, start, other, inequality, alone, whole, whole + size, whole + 2 * size, whole + 3 * size,
                 whole + 4 * size, 0, 0, NULL, NULL};
     int *degree = whole + 5 * size, *at = whole + 6 * size;
     find_levels(&g, at);
@@ -252,7 +254,7 @@ static int primal_rows(int entries, const int *row, const int *column) {
 static int order_pivots(int n, int entries, const int *row, const int *column, const double *value, int *position,
                         int *width) {
     size_t rows = (size_t)n + 1, all = (size_t)entries + 1;
-    int *whole = malloc((12 * rows + 6 * all) * sizeof *whole);
+    int *whole = malloc((13 * rows + 6 * all) * sizeof *whole);
     int *key = whole, *other = key + 2 * all, *part = other + 4 * all;
     double *size = malloc((all + rows) * sizeof *size), *largest = size + all;
     int primal = primal_rows(entries, row, column), nodes = 0, last = 0, end = n, found = 0;
@@ -261,6 +263,7 @@ static int order_pivots(int n, int entries, const int *row, const int *column, c
                    part + rows, part + 2 * rows, part + 3 * rows, part + 4 * rows, part + 5 * rows, part + 6 * rows};
         int *node = part + 7 * rows, *first = part + 8 * rows, *inequality = part + 9 * rows;
         int *start = part + 10 * rows, *sequence = part + 11 * rows, ends = 0;
+        int *alone = part + 12 * rows;
         memset(p.degree, 0, rows * sizeof *p.degree);
         memset(largest, 0, rows * sizeof *largest);
         for (int k = 0; k < entries; k++) {
@@ -281,7 +284,7 @@ static int order_pivots(int n, int entries, const int *row, const int *column, c
                 continue;
             }
             if (i < primal || partner < 0 || slack)
-                inequality[nodes] = slack, first[nodes] = i, node[i] = nodes++;
+                inequality[nodes] = slack, alone[nodes] = partner < 0, first[nodes] = i, node[i] = nodes++;
             else
                 node[i] = node[partner];
         }
@@ -294,7 +297,7 @@ static int order_pivots(int n, int entries, const int *row, const int *column, c
         int *by_node = other + 2 * all;
         sort_by(ends, key, nodes, start, by_node);
         for (int q = 0; q < ends; q++) key[q] = other[by_node[q]];
-        found = order_nodes(nodes, start, key, inequality, sequence);
+        found = order_nodes(nodes, start, key, inequality, alone, sequence);
         for (int i = 0; found && i < nodes; i++) {
             int one = first[sequence[i]], two = one < primal ? p.row_of[one] : -1;
             width[last] = two < 0 ? 1 : 2;

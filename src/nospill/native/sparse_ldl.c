@@ -21,17 +21,23 @@ typedef struct {
     double *pivot, *coupling; /* inverted: diagonal, and what stands between the two rows of a pivot */
     double *factor;           /* panels, not divided by the pivots; then of each slack its coupling and its diagonal */
     double *work;
+    double *sums;        /* of the entries' sizes in a panel's rows */
+    unsigned char *held; /* what stands in them */
+    int *depth;          /* of its columns, by what they are */
 } View;
 
 /* The arrays in IW and A. */
 static View view(int n, int *iw, double *a) {
-    View v = {structure_in(n, iw), NULL, NULL, NULL, NULL};
+    View v = {.s = structure_in(n, iw)};
     v.pivot = a + v.s.entries, v.coupling = v.pivot + n, v.factor = v.coupling + n;
     v.work = v.factor + v.s.factor + n;
+    v.sums = v.work + v.s.most + n;
+    v.depth = (int *)(v.sums + n);
+    v.held = (unsigned char *)(v.depth + 3 * (size_t)n);
     return v;
 }
 
-static long long room(int n, const Structure *s) { return s->entries + 3LL * n + s->factor + s->most + n; }
+static long long room(int n, const Structure *s) { return s->entries + 8LL * n + s->factor + s->most + 1; }
 
 /* Divide by pivot i what stands in its rows. */
 INLINE void divide(const View *v, int i, const double *in, double *out) {
@@ -49,13 +55,13 @@ INLINE void divide(const View *v, int i, const double *in, double *out) {
    moved by an amount that IPOPT's iterative refinement makes good. */
 INLINE int invert(const View *v, int k, int second, double d, double c, double e) {
     if (second < 0) {
-        if (fabs(d) < LEAST_PIVOT) d += v->pivot[k] < 0.0 ? -LEAST_PIVOT : LEAST_PIVOT;
+        if (fabs(d) < LEAST_PIVOT) d += signbit(v->pivot[k]) ? -LEAST_PIVOT : LEAST_PIVOT;
         v->pivot[k] = 1.0 / d;
         return isfinite(v->pivot[k]) ? d < 0.0 : -1;
     }
     if (fabs(d * e - c * c) < LEAST_PIVOT * fmax(fmax(fabs(d), fabs(e)), fabs(c))) {
-        d += v->pivot[k] < 0.0 ? -LEAST_PIVOT : LEAST_PIVOT;
-        e += v->pivot[second] < 0.0 ? -LEAST_PIVOT : LEAST_PIVOT;
+        d += signbit(v->pivot[k]) ? -LEAST_PIVOT : LEAST_PIVOT;
+        e += signbit(v->pivot[second]) ? -LEAST_PIVOT : LEAST_PIVOT;
     }
     double determinant = d * e - c * c;
     v->pivot[k] = e / determinant, v->pivot[second] = d / determinant, v->coupling[k] = -c / determinant;
@@ -65,7 +71,7 @@ INLINE int invert(const View *v, int k, int second, double d, double c, double e
 
 /* Columns of a panel from `begin` to `end`, up to date but for each other; `divided`: the same by the pivots. Returns
    the number of negative eigenvalues, -1 where a pivot is singular. */
-INLINE int eliminate(const View *v, int first, int begin, int end, int height, double *panel, double *divided) {
+INLINE int eliminate(const View *v, int first, int begin, int end, int own, int height, double *panel, double *divided) {
     int negative = 0;
     for (int k = begin, wide; k < end; k += wide) {
         int at = first + k, companion = v->s.companion[at];
@@ -87,12 +93,16 @@ INLINE int eliminate(const View *v, int first, int begin, int end, int height, d
             for (int i = k + 2; i < height; i++) {
                 by_one[i] = one[i] * p + two[i] * q;
                 by_two[i] = one[i] * q + two[i] * r;
+                v->sums[i] += fabs(two[i]);
             }
+            if (p != 0.0)
+                for (int i = k + 2; i < height; i++) v->sums[i] += 1.0;
+            for (int i = k + 2; i < own; i++) v->held[i] |= one[i] != 0.0 ? IN_FIRST : 0;
         }
         for (int j = k + wide; j < end; j++) {
             double *restrict to = panel + (size_t)j * height, f = one[j], g = wide == 2 ? two[j] : 0.0;
             if (f == 0.0 && g == 0.0) continue; /* always so between leaves */
-            if (wide == 1)
+            if (g == 0.0)
                 for (int i = j; i < height; i++) to[i] -= by_one[i] * f;
             else
                 for (int i = j; i < height; i++) to[i] -= by_one[i] * f + by_two[i] * g;
@@ -102,8 +112,8 @@ INLINE int eliminate(const View *v, int first, int begin, int end, int height, d
 }
 
 /* Take what a panel contributes off the panels that its rows are columns of. */
-INLINE void contribute(const View *v, int p, int own, int height, const double *panel, const double *divided,
-                       Update *update) {
+INLINE void contribute(const View *v, int p, int own, int height, const Depth *depth, const double *panel,
+                       const double *divided, Update *update) {
     const Structure *s = &v->s;
     int below = height - own;
     for (int u = s->update[p]; u < s->update[p + 1]; u++) {
@@ -113,7 +123,7 @@ INLINE void contribute(const View *v, int p, int own, int height, const double *
         const int *local = s->local + s->where[u];
         double *to = v->factor + s->panel[t];
         const double *f = panel + own + from, *g = divided + own + from;
-        update(rows, columns, own, g, f, height, to, far, local);
+        update(rows, columns, depth, g, f, v->held + own + from, to, far, local);
     }
 }
 
@@ -126,16 +136,26 @@ INLINE int factorise(const View *v, int n, const double *value, Update *update) 
     for (int p = 0; p < s->panels; p++) {
         int first = s->first[p], own = s->first[p + 1] - first, height = own + s->list[p + 1] - s->list[p];
         double *panel = v->factor + s->panel[p], *divided = v->work;
+        Depth depth = {{v->depth, v->depth + n, v->depth + 2 * (size_t)n}, {0, 0, 0}};
+        memset(v->sums, 0, (size_t)height * sizeof *v->sums);
+        memset(v->held, 0, (size_t)own);
+        memset(v->held + own, IN_FIRST, (size_t)(height - own));
         for (int begin = 0, end; begin < own; begin = end) {
             for (end = begin; end < own && end < begin + BLOCK_COLUMNS;) end += s->width[first + end];
             if (begin)
-                update(height - begin, end - begin, begin, divided + begin, panel + begin, height,
+                update(height - begin, end - begin, &depth, divided + begin, panel + begin, v->held + begin,
                        panel + begin + (size_t)begin * height, height, NULL);
-            int count = eliminate(v, first, begin, end, height, panel, divided);
+            int count = eliminate(v, first, begin, end, own, height, panel, divided);
             if (count < 0) return -1;
             negative += count;
+            for (int k = begin; k < end; k += s->width[first + k]) {
+                int single = s->width[first + k] == 1, part = single ? 2 : 0;
+                v->depth[part * (size_t)n + depth.count[part]++] = k * height;
+                if (!single) v->depth[n + depth.count[1]++] = (k + 1) * height;
+            }
+            for (int i = end; i < height; i++) v->held[i] |= v->sums[i] != 0.0 ? IN_SECOND : 0;
         }
-        contribute(v, p, own, height, panel, divided, update);
+        contribute(v, p, own, height, &depth, panel, divided, update);
     }
     return negative;
 }
@@ -243,7 +263,10 @@ void ma27bd_(const int *n, const int *nz, const int *irn, const int *icn, double
         return;
     }
     *state = ANALYSED;
-    for (int i = 0; i < *n; i++) v.pivot[v.s.position[i]] = i < v.s.primal ? REGULARISATION : -REGULARISATION;
+    for (int i = 0; i < *n; i++) {
+        int at = v.s.position[i];
+        v.pivot[at] = i < v.s.primal ? REGULARISATION : v.s.width[at] ? -REGULARISATION : -0.0;
+    }
     negative = HAS_FMA ? factorise_with_fma(&v, *n, a) : factorise(&v, *n, a, update_without_fma);
     if (negative < 0)
         info[0] = SINGULAR;
