@@ -174,9 +174,15 @@ static void gather(const Levels *g, int level) {
     }
 }
 
+/* Bits of some words, two by two, four by four and so on: compilers call a function for each where a processor need not
+   have an instruction for it. */
 static int count_of(const uint64_t *row, int width) {
     int count = 0;
-    for (int k = 0; k < width; k++) count += __builtin_popcountll(row[k]);
+    for (int k = 0; k < width; k++) {
+        uint64_t x = row[k] - (row[k] >> 1 & UINT64_C(0x5555555555555555));
+        x = (x & UINT64_C(0x3333333333333333)) + (x >> 2 & UINT64_C(0x3333333333333333));
+        count += (int)(((x + (x >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f)) * UINT64_C(0x0101010101010101) >> 56);
+    }
     return count;
 }
 

@@ -51,7 +51,11 @@ def driven(cargo: Cargo) -> Driven:
 
 @lru_cache(maxsize=64)
 def _driven_like(key: LiquidKey) -> Driven:
-    terms, cargo = linear_terms(driven_basin(key.cargo)), key.cargo
+    return driven_in(linear_terms(driven_basin(key.cargo)), key.cargo)
+
+
+def driven_in(terms: LinearTerms, cargo: Cargo) -> Driven:
+    """The second order of a liquid in some of its modes."""
     count = len(terms.stiffness)
     axes, diameters = np.eye(count, dtype=complex), np.zeros(count)
     if isinstance(cargo.container, Cylinder):

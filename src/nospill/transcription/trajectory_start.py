@@ -197,7 +197,8 @@ def _fill_driven(table: np.ndarray, scene: Scene, trajectory: Trajectory, body: 
         track, count, t = trajectory.slosh.get(cargo.name), item.linear_coordinates, trajectory.t
         if not item.driven or track is None or track.displacement.shape[1] < count:
             continue
-        height = beyond_masses(cargo, t, rows_at(body, cargo.place, cargo.yaw), track.displacement[:, :count])
+        masses = track.displacement[:, :count], track.velocity[:, :count]
+        height = beyond_masses(cargo, t, rows_at(body, cargo.place, cargo.yaw), *masses)
         columns = slice(columns.start + count, columns.stop)
         _fill(table, layout_of(structure), columns, t, height, np.gradient(height, t, axis=0))
 
