@@ -186,15 +186,23 @@ static int count_of(const uint64_t *row, int width) {
     return count;
 }
 
-/* Eliminate the nodes of a level, that of the fewest neighbours first; returns the next place in the sequence. `at`:
-   node at each place of the front. */
+/* Whether a node is eliminated before another of its level: pairs before single rows, and that of fewer neighbours. What
+   a single row touches becomes neighbours, multipliers among them; a pair leaves those apart, since the multiplier's
+   diagonal is zero. */
+static int comes_before(const Levels *g, int one, int other, const int *degree) {
+    if (g->alone[one] != g->alone[other]) return g->alone[other];
+    return degree[one] < degree[other];
+}
+
+/* Eliminate the nodes of a level one after the other; returns the next place in the sequence. `at`: node at each place of
+   the front. */
 static int eliminate_level(const Levels *g, int level, const int *at, int *degree, int *sequence, int next) {
     int *left = g->member + g->first[level], count = g->first[level + 1] - g->first[level];
     for (int k = 0; k < count; k++) degree[left[k]] = count_of(bits(g, left[k]), g->width);
     for (; count > 0; count--) {
         int best = 0;
         for (int k = 1; k < count; k++)
-            if (g->alone[left[k]] != g->alone[left[best]] ? !g->alone[left[k]] : degree[left[k]] < degree[left[best]]) best = k;
+            if (comes_before(g, left[k], left[best], degree)) best = k;
         int pivot = left[best];
         uint64_t *own = bits(g, pivot), mask = UINT64_C(1) << (g->local[pivot] % 64);
         for (int word = 0; word < g->width; word++)

@@ -4,8 +4,9 @@
    All state is in the caller's arrays. IKEEP (3 N): position of each row, width of the pivot at each position (0 at the
    second row of a pair), how far the analysis is. IW: the structure. A: the entries, then the factor. */
 
-/* Added to primal rows, taken off dual ones: a row that depends on others gets the sign that it has in a regular
-   matrix. */
+/* Added to primal rows, taken off dual ones without a partner: a row that depends on others gets the sign that it has in
+   a regular matrix. The dual row of a pair has minus nothing: while its diagonal is zero, rows that only the other row
+   of the pair touches are left alone by its elimination, and products with them are left out. */
 static const double REGULARISATION = 1e-12;
 
 /* Least pivot, of a pair its eigenvalue; a smaller one is moved by so much, up in primal rows and down in dual ones. */
@@ -21,9 +22,9 @@ typedef struct {
     double *pivot, *coupling; /* inverted: diagonal, and what stands between the two rows of a pivot */
     double *factor;           /* panels, not divided by the pivots; then of each slack its coupling and its diagonal */
     double *work;
-    double *sums;        /* of the entries' sizes in a panel's rows */
-    unsigned char *held; /* what stands in them */
-    int *depth;          /* of its columns, by what they are */
+    double *sums;        /* of each row of a panel, of the sizes of what stands in second columns */
+    unsigned char *held; /* what stands in each row */
+    int *depth;          /* where its columns begin, by what they are */
 } View;
 
 /* The arrays in IW and A. */
@@ -71,7 +72,8 @@ INLINE int invert(const View *v, int k, int second, double d, double c, double e
 
 /* Columns of a panel from `begin` to `end`, up to date but for each other; `divided`: the same by the pivots. Returns
    the number of negative eigenvalues, -1 where a pivot is singular. */
-INLINE int eliminate(const View *v, int first, int begin, int end, int own, int height, double *panel, double *divided) {
+INLINE int eliminate(const View *v, int first, int begin, int end, int own, int height, double *panel,
+                     double *divided) {
     int negative = 0;
     for (int k = begin, wide; k < end; k += wide) {
         int at = first + k, companion = v->s.companion[at];
@@ -95,7 +97,7 @@ INLINE int eliminate(const View *v, int first, int begin, int end, int own, int 
                 by_two[i] = one[i] * q + two[i] * r;
                 v->sums[i] += fabs(two[i]);
             }
-            if (p != 0.0)
+            if (p != 0.0) /* then the first one, divided, holds what either holds */
                 for (int i = k + 2; i < height; i++) v->sums[i] += 1.0;
             for (int i = k + 2; i < own; i++) v->held[i] |= one[i] != 0.0 ? IN_FIRST : 0;
         }
@@ -127,6 +129,24 @@ INLINE void contribute(const View *v, int p, int own, int height, const Depth *d
     }
 }
 
+/* Nothing is known of the own rows of a panel that is begun; those below it may have anything in first columns. */
+INLINE void forget_rows(const View *v, int own, int height) {
+    memset(v->sums, 0, (size_t)height * sizeof *v->sums);
+    memset(v->held, 0, (size_t)own);
+    memset(v->held + own, IN_FIRST, (size_t)(height - own));
+}
+
+/* Note columns of a panel that are eliminated as depth of the products to come, and which rows their second ones hold. */
+INLINE void note_columns(const View *v, int n, int first, int begin, int end, int height, Depth *depth) {
+    int *singles = v->depth + 2 * (size_t)n, *seconds = v->depth + n, *firsts = v->depth;
+    for (int k = begin; k < end; k += v->s.width[first + k])
+        if (v->s.width[first + k] == 1)
+            singles[depth->count[2]++] = k * height;
+        else
+            firsts[depth->count[0]++] = k * height, seconds[depth->count[1]++] = (k + 1) * height;
+    for (int i = end; i < height; i++) v->held[i] |= v->sums[i] != 0.0 ? IN_SECOND : 0;
+}
+
 /* Returns the number of negative eigenvalues, -1 where a pivot is singular. */
 INLINE int factorise(const View *v, int n, const double *value, Update *update) {
     const Structure *s = &v->s;
@@ -137,9 +157,7 @@ INLINE int factorise(const View *v, int n, const double *value, Update *update) 
         int first = s->first[p], own = s->first[p + 1] - first, height = own + s->list[p + 1] - s->list[p];
         double *panel = v->factor + s->panel[p], *divided = v->work;
         Depth depth = {{v->depth, v->depth + n, v->depth + 2 * (size_t)n}, {0, 0, 0}};
-        memset(v->sums, 0, (size_t)height * sizeof *v->sums);
-        memset(v->held, 0, (size_t)own);
-        memset(v->held + own, IN_FIRST, (size_t)(height - own));
+        forget_rows(v, own, height);
         for (int begin = 0, end; begin < own; begin = end) {
             for (end = begin; end < own && end < begin + BLOCK_COLUMNS;) end += s->width[first + end];
             if (begin)
@@ -148,12 +166,7 @@ INLINE int factorise(const View *v, int n, const double *value, Update *update) 
             int count = eliminate(v, first, begin, end, own, height, panel, divided);
             if (count < 0) return -1;
             negative += count;
-            for (int k = begin; k < end; k += s->width[first + k]) {
-                int single = s->width[first + k] == 1, part = single ? 2 : 0;
-                v->depth[part * (size_t)n + depth.count[part]++] = k * height;
-                if (!single) v->depth[n + depth.count[1]++] = (k + 1) * height;
-            }
-            for (int i = end; i < height; i++) v->held[i] |= v->sums[i] != 0.0 ? IN_SECOND : 0;
+            note_columns(v, n, first, begin, end, height, &depth);
         }
         contribute(v, p, own, height, &depth, panel, divided, update);
     }

@@ -3,7 +3,7 @@
    with the same rows, as the inequalities of a stage are. */
 
 /* Most places of a panel that may be zero, as part of all. */
-static const double MOST_ZEROS = 0.1, MOST_ZEROS_B = 0.1;
+static const double MOST_ZEROS = 0.1;
 
 /* Columns eliminated one by one before the next ones of a panel are brought up to date; of a panel of leaves, between
    which nothing stands, the most. */
@@ -43,44 +43,29 @@ static long long lay_out(Structure *s, int n, int *array) {
 
 /* ---- panels ---- */
 
-/* Union of two ascending lists, of the first one what is not before `from`; returns how many there are. */
-static int unite(const int *one, int ones, int from, const int *two, int twos, int *both) {
-    int i = 0, j = 0, next = 0;
-    while (i < ones && one[i] < from) i++;
-    while (i < ones || j < twos) {
-        int a = i < ones ? one[i] : INT_MAX, b = j < twos ? two[j] : INT_MAX;
-        both[next++] = lesser(a, b);
-        i += a <= b, j += b <= a;
-    }
-    return next;
+/* Whether two pivots are leaves of the tree, without earlier neighbours, that fill in the same rows: nothing stands
+   between them, and they may be one panel. `at`: the first row of each. */
+static int are_alike(const Tree *t, const int *at, int one, int two) {
+    int count = t->count[one], leaves = t->start[at[one]] == t->start[at[two + 1]];
+    return leaves && count > 0 && count == t->count[two] &&
+           !memcmp(t->below + t->begin[one], t->below + t->begin[two], (size_t)count * sizeof *t->below);
 }
 
-/* Divide the pivots into panels: the first pivot of each in `first`, and the rows below it, `list` and `row` as in
-   `Structure`. `at`: the first row of each pivot; `scratch`: room for a list. Returns the number of panels. */
-static int divide_into_panels(const Tree *t, const int *at, int *first, int *list, int *row, int *scratch) {
-    int panels = 0, columns = 0, next = 0;
+/* Divide the pivots into panels, the first pivot of each in `first`; below a panel are the rows below its last pivot.
+   Returns the number of panels. */
+static int divide_into_panels(const Tree *t, const int *at, int *first) {
+    int panels = 0, columns = 0;
     long long held = 0;
-    list[0] = 0;
     for (int k = 0; k < t->pivots; k++) {
-        const int *below = t->below + t->begin[k];
-        long long wide = t->wide[k], alone = wide * (wide + 1) / 2 + wide * t->count[k];
-        int joins = 0, rows = 0;
-        if (k > 0 && (t->parent[k - 1] == k || (t->parent[k] >= 0 && t->parent[k - 1] == t->parent[k]))) {
-            int *own = row + list[panels - 1];
-            rows = unite(own, next - list[panels - 1], at[k + 1], below, t->count[k], scratch);
-            long long all = columns + wide, size = all * (all + 1) / 2 + all * rows;
-            joins = (double)(size - held - alone) < (t->parent[k - 1] == k ? MOST_ZEROS : MOST_ZEROS_B) * (double)size;
-            if (joins) memcpy(own, scratch, (size_t)rows * sizeof *own), next = list[panels - 1] + rows;
-        }
-        if (joins)
-            columns += (int)wide, held += alone;
-        else {
-            if (panels) list[panels] = next;
-            memcpy(row + next, below, (size_t)t->count[k] * sizeof *row);
-            first[panels++] = k, columns = (int)wide, held = alone, next += t->count[k];
-        }
+        long long wide = t->wide[k], all = columns + wide, rows = t->count[k];
+        long long alone = wide * (wide + 1) / 2 + wide * rows, size = all * (all + 1) / 2 + all * rows;
+        int dense = (double)(size - held - alone) < MOST_ZEROS * (double)size;
+        if (k > 0 && ((t->parent[k - 1] == k && dense) || (all <= BLOCK_COLUMNS && are_alike(t, at, k - 1, k))))
+            columns = (int)all, held += alone;
+        else
+            first[panels++] = k, columns = (int)wide, held = alone;
     }
-    first[panels] = t->pivots, list[panels] = next;
+    first[panels] = t->pivots;
     return panels;
 }
 
@@ -177,17 +162,20 @@ static int *structure_of(int n, int entries, const int *row, const int *column, 
     int *first = sequence, *panel_of = scratch;
     for (int i = 0, from = 0; i < t.pivots; from += t.wide[i++]) at[i] = from; /* first position */
     at[t.pivots] = s.columns;
-    s.first = scratch + rows, s.list = scratch + 2 * rows, s.panel = scratch + 3 * rows; /* until there is an array */
-    s.row = malloc(((size_t)t.begin[t.pivots] + 1) * sizeof *s.row);
-    if (!s.row) goto done;
-    s.panels = divide_into_panels(&t, at, first, s.list, s.row, panel_of);
-    s.rows = s.list[s.panels];
+    s.panels = divide_into_panels(&t, at, first);
+    for (int p = 0; p < s.panels; p++) s.rows += t.count[first[p + 1] - 1];
     long long factor = 0;
-    s.first[0] = s.panel[0] = 0;
-    for (int p = 0; p < s.panels; p++) {
-        s.first[p + 1] = at[first[p + 1]];
+    s.first = scratch + rows, s.list = scratch + 2 * rows, s.panel = scratch + 3 * rows; /* until there is an array */
+    s.row = malloc(((size_t)s.rows + 1) * sizeof *s.row);
+    if (!s.row) goto done;
+    s.first[0] = s.list[0] = s.panel[0] = 0;
+    for (int p = 0, next = 0; p < s.panels; p++) {
+        int last = first[p + 1] - 1, count = t.count[last];
+        memcpy(s.row + next, t.below + t.begin[last], (size_t)count * sizeof *s.row);
+        next += count;
+        s.first[p + 1] = at[first[p + 1]], s.list[p + 1] = next;
         int own = s.first[p + 1] - s.first[p];
-        factor += (long long)own * (own + s.list[p + 1] - s.list[p]);
+        factor += (long long)own * (own + next - s.list[p]);
         if (factor > INT_MAX / 2) goto free_row;
         s.panel[p + 1] = (int)factor;
         for (int i = s.first[p]; i < s.first[p + 1]; i++) panel_of[i] = p;
