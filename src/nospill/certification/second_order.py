@@ -54,8 +54,8 @@ def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> 
 
     def judged(trace: Trace) -> Trace:
         if trace.constraint == SloshHeight.name:
-            of_flow = crests().get(trace.subject)
-            value = followed_waves(trace.subject).crests if of_flow is None else of_flow
+            value, of_flow = followed_waves(trace.subject).crests, crests().get(trace.subject)
+            value = value if of_flow is None else np.fmax(value, of_flow)
         else:
             standing = np.clip(np.searchsorted(played.t, trace.t - 0.5 / played.rate), 0, len(played.t) - 1)
             value = np.array([left(trace.subject, int(index)) for index in standing])

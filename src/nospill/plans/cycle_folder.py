@@ -8,7 +8,7 @@ from pathlib import Path
 from nospill.core.files import parsed_json
 from nospill.errors import PlanFolderError
 from nospill.plans.cycle import CyclePlan, leg_folder, planned_cycle
-from nospill.plans.loading import as_certified, load_plan
+from nospill.plans.loading import load_plan
 from nospill.plans.names import CERTIFICATE_FILE, CYCLE_FILE, SCENARIO_FILE
 from nospill.plans.plan import Plan
 from nospill.scenario.cycles import load_cycle
@@ -40,9 +40,11 @@ def load_cycle_plan(folder: str | Path) -> CyclePlan:
 
 
 def _as_certified(leg: CycleLeg, plan: Plan) -> CycleLeg:
-    """The leg to the order that its folder was read in, `loading.as_certified`."""
-    is_linear = plan.scene.source.get("motion", {}).get("residual_height") == "linear"
-    return replace(leg, scene=as_certified(leg.scene, plan.certificate.rows)) if is_linear else leg
+    """The leg with heights of the orders that its folder was read with, `loading.as_certified`."""
+    own, found = (scene.source.get("motion", {}) for scene in (leg.scene, plan.scene))
+    orders = ("residual_height", "slosh_height")
+    changes = {f"motion.{key}": found[key] for key in orders if found.get(key) != own.get(key)}
+    return replace(leg, scene=leg.scene.changed(changes)) if changes else leg
 
 
 def _changed(plan: CyclePlan, said: list[tuple[str, float, float]]) -> list[str]:

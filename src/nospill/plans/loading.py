@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from nospill.approach import Segment, read_segment
+from nospill.certification.height_order import SECOND
 from nospill.certification.verdict import Certificate, Row
 from nospill.collisions.pairs import SelfCollision
 from nospill.core.files import parsed_json
@@ -30,7 +31,7 @@ from nospill.plans.plan import Plan
 from nospill.plans.summary import restored_records
 from nospill.plans.warnings.record import PlanWarning
 from nospill.scenario import read_scenario
-from nospill.scene.heights import by_nonlinear_flow
+from nospill.scene.heights import HeightOrder, by_nonlinear_flow
 from nospill.scene.limits import LimitRecord
 from nospill.scene.scene import Scene
 
@@ -74,7 +75,8 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
         maxima, report = restored_records(summary)
         unjudged = _limits_not_at_hand(summary)
         read = _rows(certificate["rows"])
-        scene = constrained(as_certified(read_scenario(place / SCENARIO_FILE), read), constraints)
+        orders = summary.get("slosh_height_order", {})
+        scene = constrained(as_certified(read_scenario(place / SCENARIO_FILE), read, orders), constraints)
         names = {limit.name for limit in scene.constraints}
         scene = scene.with_constraints(scene.constraints, [limit for limit in unjudged if limit.name not in names])
         known = names.union(limit.name for limit in unjudged)
@@ -102,17 +104,29 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
         raise PlanFolderError(f"{place}: {CERTIFICATE_FILE} or {SUMMARY_FILE} is damaged ({reason})") from error
 
 
-def as_certified(scene: Scene, rows: Iterable[Row]) -> Scene:
-    """The scene of saved rows, with linear heights after the end where those are and the scenario does not say it.
+def as_certified(scene: Scene, rows: Iterable[Row], orders: Mapping[str, str]) -> Scene:
+    """The scene of saved rows, with heights of their order where that is lower and the scenario does not say it.
 
-    What is left out was linear in earlier versions, and a folder is about what it was certified for.
+    What is left out was linear after the end in earlier versions, and of second order during the motion; a folder is
+    about what it was certified for.
+
+    Args:
+        scene: of the folder's scenario.
+        rows: of its certificate.
+        orders: of slosh heights, by object, as its summary has them.
     """
-    stated = scene.source.get("motion", {}).get("residual_height") is not None
+    rules, stated = scene.motion, scene.source.get("motion", {})
+
+    def followed(order: HeightOrder) -> set[str]:
+        return {item.name for item in scene.cargo if not rules.stop and by_nonlinear_flow(item, order)}
+
     linear = {row.subject for row in rows if row.constraint == ResidualHeight.name and row.linear_value is None}
-    by_flow = {item.name for item in scene.cargo if by_nonlinear_flow(item, scene.motion.residual_height)}
-    if stated or scene.motion.stop or not linear & by_flow:
-        return scene
-    return scene.changed({"motion.residual_height": "linear"})
+    if stated.get("residual_height") is None and linear & followed(rules.residual_height):
+        return scene.changed({"motion.residual_height": "linear"})
+    second = {name for name, order in orders.items() if order == SECOND}
+    if stated.get("slosh_height") is None and second & followed(rules.slosh_height):
+        return scene.changed({"motion.slosh_height": "second order"})
+    return scene
 
 
 def _self_collision(certificate: Mapping[str, Any]) -> SelfCollision | None:

@@ -55,7 +55,7 @@ def check_height(scenario: Scenario, cargo: tuple[Cargo, ...]) -> None:
             f'residual_height = "{residual}" and tolerance.tracking are stated together: over a band of arms heights '
             'after the end are those of the modes alone; write residual_height = "linear", or leave tracking out'
         )
-    if residual != "linear" and height_order(scenario)[0] == "linear":
+    if residual != "linear" and height_order(scenario, cargo)[0] == "linear":
         raise ScenarioError(
             f'residual_height = "{residual}" is stated where slosh heights are linear: {_way_to_second_order(scenario)}'
         )
@@ -89,8 +89,18 @@ def _way_to_second_order(scenario: Scenario) -> str:
     return 'over speed_range they are; state slosh_height = "second order" too, or leave residual_height out'
 
 
-def height_order(scenario: Scenario) -> tuple[HeightOrder, str]:
-    """To which order heights are judged, and why all of them are linear where they are."""
+def height_order(scenario: Scenario, cargo: tuple[Cargo, ...]) -> tuple[HeightOrder, str]:
+    """To which order heights are judged, and why all of them are linear where they are.
+
+    Where it is not stated they are those of the nonlinear flow where heights after the end are.
+    """
+    order, reason = _height_order(scenario)
+    by_flow = scenario.motion.slosh_height is None and residual_order(scenario, cargo)[0] == "nonlinear"
+    return ("nonlinear", "") if by_flow and order != "linear" else (order, reason)
+
+
+def _height_order(scenario: Scenario) -> tuple[HeightOrder, str]:
+    """The same, to the second order where it is not stated."""
     if scenario.fidelity != "full":
         return "linear", ""
     stated = scenario.motion.slosh_height
@@ -110,7 +120,7 @@ def residual_order(scenario: Scenario, cargo: tuple[Cargo, ...]) -> tuple[Height
     stated = scenario.motion.residual_height
     if stated is not None:
         return stated, "motion.residual_height says so" if stated == "linear" else ""
-    if height_order(scenario)[0] == "linear":
+    if _height_order(scenario)[0] == "linear":
         return "linear", ""
     known = [item for item in cargo if to_second_order(item, "nonlinear")]
     if not known:

@@ -315,7 +315,7 @@ def _motion(
     interface: Interface | None,
 ) -> MotionRules:
     rules, range_ = scenario.motion, scenario.motion.speed_range
-    order, reason = height_order(scenario)
+    order, reason = height_order(scenario, cargo)
     residual, residual_reason = residual_order(scenario, cargo)
     speeds = [rules.max_speed, interface.checks.hand_speed if interface and interface.checks else None]
     own = {
