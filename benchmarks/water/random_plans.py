@@ -1,8 +1,8 @@
 """Random scenarios of the campaign with the full physics, planned, and their liquids followed by the whole flow.
 
-    python -m benchmarks.water.random_plans -o lines.jsonl [--cases 100] [--seconds 60] [--residual linear]
-        [--height "second order"] [--keep DIR]
-    python -m benchmarks.water.random_plans --table FILE [--residual linear] [--height "second order"]
+    python -m benchmarks.water.random_plans -o lines.jsonl [--cases 100] [--seconds 60] [--residual default]
+        [--height default] [--keep DIR]
+    python -m benchmarks.water.random_plans --table FILE [--residual default] [--height default]
 
 Seeds are those of the campaign's first cases that it planned with an upright cup or box of liquid, here with all modes
 in place of one. A line for each, also where there is no certified plan, is written at once and whole; seeds that are in
@@ -33,26 +33,29 @@ from nospill.verify import verify_water
 
 CASES = Path(__file__).parents[1] / "results" / "campaign.jsonl.gz"
 _SECOND = "second order"
-"""What heights during the motion are judged to by default."""
+_LEFT_OUT = "default"
+"""Order of heights that the scenario does not state."""
 EDGES = (0.0, 0.1, 0.2, 0.3, 0.45, 1.5)
 """Of the limit over the radius or half side."""
 ALLOWED = {"crest": ((0.3, 1.03), (0.45, 1.08)), "left": ((0.3, 1.1),)}
 """Largest ratio to the limit that is asked for up to a limit over the radius."""
 
 
-def scene_of(seed: int, residual: str, seconds: float, height: str = _SECOND) -> Scene | None:
+def scene_of(seed: int, residual: str, seconds: float, height: str = _LEFT_OUT) -> Scene | None:
     """A seed's scenario with the full physics; None where no liquid of it is judged to that order."""
     drawn = draw_case(seed).table
     drawn["planning"].pop("slosh_modes", None)  # the campaign's one mode saves time; the certificate is to see them all
     scene = scene_from_table(drawn, name=str(seed))
     if not any(item.filling and linear_since(item) is None for item in scene.cargo):
         return None
-    wanted = {"fidelity": "full", "planning.max_plan_time": seconds, "motion.residual_height": residual}
-    if height == _SECOND:
-        return scene.changed(wanted)
-    if any(linear_since(item) for item in scene.cargo):  # a stated order is refused where one liquid has none
-        return None
-    return scene.changed({**wanted, "motion.slosh_height": height})
+    wanted: dict[str, Any] = {"fidelity": "full", "planning.max_plan_time": seconds}
+    if residual != _LEFT_OUT:
+        wanted["motion.residual_height"] = residual
+    if height != _LEFT_OUT and not (height == _SECOND and residual in ("linear", _SECOND)):  # what it is anyway
+        if any(linear_since(item) for item in scene.cargo):  # a stated order is refused where one liquid has none
+            return None
+        wanted["motion.slosh_height"] = height
+    return scene.changed(wanted)
 
 
 def followed(seed: int, scene: Scene, orders: Mapping[str, str], keep: Path | None = None) -> dict[str, Any]:
@@ -115,8 +118,8 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path)
     parser.add_argument("--cases", type=int, default=100)
     parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--residual", choices=("linear", _SECOND, "nonlinear"), default="linear")
-    parser.add_argument("--height", choices=(_SECOND, "nonlinear"), default=_SECOND)
+    parser.add_argument("--residual", choices=(_LEFT_OUT, "linear", _SECOND, "nonlinear"), default=_LEFT_OUT)
+    parser.add_argument("--height", choices=(_LEFT_OUT, _SECOND, "nonlinear"), default=_LEFT_OUT)
     parser.add_argument("--keep", type=Path)
     parser.add_argument("--table", type=Path)
     given = parser.parse_args()

@@ -32,7 +32,10 @@ _RESIDUAL = "residual height"
 def judged(smooth_motion: Callable) -> tuple[Scene, Judgement, Judgement]:
     """The scene, and a smooth motion judged to the second order and by the flow."""
     scene, slow = read_scenario("mixed-tray"), at_speed(smooth_motion("mixed-tray").trajectory, 0.8)
-    second, whole = (scene.changed({"motion.residual_height": order}) for order in ("second order", "nonlinear"))
+    second, whole = (
+        scene.changed({"motion.slosh_height": "second order", "motion.residual_height": order})
+        for order in ("second order", "nonlinear")
+    )
     return whole, judge_motion(slow, second), judge_motion(slow, whole)
 
 
@@ -86,15 +89,17 @@ def test_crests_are_those_of_the_flow(judged: tuple[Scene, Judgement, Judgement]
         assert abs(np.max(found) - row.worst_value) > 0.002 * row.worst_value  # of another order than those
 
 
-def test_a_slosh_height_by_the_flow_is_judged(judged: tuple[Scene, Judgement, Judgement]) -> None:
+def test_a_slosh_height_is_the_higher_of_both_orders(judged: tuple[Scene, Judgement, Judgement]) -> None:
     whole, second, _ = judged
     scene = whole.changed({"motion.slosh_height": "nonlinear", "motion.residual_height": "linear"})
     found = {trace.id: trace for trace in with_second_order(second.traces, scene, second.replay)}
-    crests = crests_by_flow(scene, second.replay)
+    crests, before = crests_by_flow(scene, second.replay), {trace.id: trace.value for trace in second.traces}
     for name in ("cup", "mug", "box"):
         trace = found[RowId("slosh height", name)]
-        np.testing.assert_array_equal(trace.value, crests[name])
-        np.testing.assert_allclose(trace.margin, np.abs(trace.limit) - crests[name])
+        higher = np.maximum(crests[name], before[trace.id])
+        assert np.any(higher > crests[name]) and np.any(higher > before[trace.id])  # either is somewhere
+        np.testing.assert_array_equal(trace.value, higher)
+        np.testing.assert_allclose(trace.margin, np.abs(trace.limit) - higher)
     stop = replace(scene, motion=replace(scene.motion, stop=True))
     assert crests_by_flow(stop, second.replay) == {}
 

@@ -21,10 +21,12 @@ _SECOND = {**_SWING, "second_height": [0.0], "second_velocity": [0.0]}
 _LINEAR = {"motion.slosh_height": "linear"}
 
 
-def test_at_full_fidelity_it_is_the_second_order_where_that_is_known() -> None:
-    scene = read_scenario("mixed-tray")
-    assert height_orders(scene) == dict.fromkeys(("cup", "mug", "box"), "second order")
+def test_at_full_fidelity_it_is_the_flow_or_the_second_order_where_these_are_known() -> None:
+    scene, liquids = read_scenario("mixed-tray"), ("cup", "mug", "box")
+    assert height_orders(scene) == dict.fromkeys(liquids, "nonlinear")
     assert height_note(scene) == ""
+    for changes in ({"motion.residual_height": "linear"}, {"cargo.mug.tolerance": {"frequency": "2 %"}}):
+        assert height_orders(scene.changed(changes)) == dict.fromkeys(liquids, "second order")
     assert height_note(read_scenario("matrix-liquid-tilt-robust")) == ""  # tolerances bear it
     over_band = height_note(scene.changed({"tolerance": {"tracking": {"delay": "1 ms"}}}))
     assert over_band == "residual height: linear, since tolerance.tracking is a band of arms"
@@ -36,7 +38,7 @@ def test_published_physics_are_linear_as_ever() -> None:
     assert (
         set(height_orders(scene).values()) == {"linear, since the published physics are"} and height_note(scene) == ""
     )
-    assert height_orders(scene.changed({"fidelity": "full"}))["c1"] == "second order"
+    assert height_orders(scene.changed({"fidelity": "full"}))["c1"] == "nonlinear"
 
 
 @pytest.mark.parametrize(
@@ -83,7 +85,7 @@ def test_published_physics_are_linear_as_ever() -> None:
 def test_what_is_linear_is_said_with_its_reason(name: str, changes: dict[str, object], note: str) -> None:
     scene = read_scenario(name).changed(changes)
     assert re.match(note, height_note(scene)), height_note(scene)
-    linear = {item for item, order in height_orders(scene).items() if order != "second order"}
+    linear = {item for item, order in height_orders(scene).items() if order.startswith("linear")}
     assert linear == {
         item.name for item in scene.cargo if item.filling and not to_second_order(item, scene.motion.slosh_height)
     }
@@ -91,15 +93,15 @@ def test_what_is_linear_is_said_with_its_reason(name: str, changes: dict[str, ob
 
 def test_whose_heights_the_nonlinear_flow_judges_is_said() -> None:
     scene = read_scenario("mixed-tray")
-    asked = {"motion.residual_height": "nonlinear"}
-    assert flow_note(scene) == flow_note(scene.changed(asked)) == "residual height by the nonlinear flow: cup, mug, box"
+    asked, both = {"motion.residual_height": "nonlinear"}, "slosh height and residual height by the nonlinear flow: "
+    assert flow_note(scene) == flow_note(scene.changed(asked)) == f"{both}cup, mug, box"
+    second = scene.changed({"motion.slosh_height": "second order"})
+    assert flow_note(second) == "residual height by the nonlinear flow: cup, mug, box"
     assert flow_note(scene.changed({"motion.residual_height": "linear"})) == ""
     told = height_sentence(scene.changed({"cargo.mug.contact_line": "free"}))
-    assert re.fullmatch(" Slosh .* mug: linear, .* Residual height by the nonlinear flow: cup, box.", told)
-    both = flow_note(scene.changed({**asked, "motion.slosh_height": "nonlinear"}))
-    assert both.startswith("slosh height and residual height by the nonlinear flow: cup, mug")
-    orders = height_orders(scene.changed({"motion.slosh_height": "nonlinear"}))
-    assert orders == {"cup": "nonlinear", "mug": "nonlinear", "box": "nonlinear"}
+    assert re.fullmatch(" Slosh .* mug: linear, .* Slosh height and .* by the nonlinear flow: cup, box.", told)
+    alone = scene.changed({"motion.slosh_height": "nonlinear", "motion.residual_height": "second order"})
+    assert flow_note(alone) == "slosh height by the nonlinear flow: cup, mug, box"
     swinging = dict.fromkeys(("cargo.cup.initial_swing", "cargo.mug.initial_swing"), _SECOND)
     some = flow_note(scene.changed({**asked, **swinging}))
     assert some.endswith("nonlinear flow: box; others to the second order")

@@ -193,8 +193,19 @@ def test_a_stage_fills_in_the_states_before_it_and_not_their_multipliers(library
     factor = Factor(library, entries)
     factorised_in_growing_room(factor, entries)
     check(factor, matrix, entries.value)
-    of_columns = len(entries.value) + 4 * len(matrix)
+    of_columns = len(entries.value) + 8 * len(matrix) + 1
     assert factor.room <= of_columns + (20 + 1) * 20 * (20 + 10)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_products_that_are_left_out_are_zero(library: Path, share: float) -> None:
+    """Multipliers with a diagonal and without: where one has any, its pair fills in whatever either row touches."""
+    matrix, random = states(stages=12, size=20), np.random.default_rng(7)
+    dual = np.flatnonzero(np.diag(matrix) == 0.0)
+    some = dual[random.random(len(dual)) < share]
+    matrix[some, some] -= random.uniform(0.1, 2.0, len(some))
+    entries = of_upper(matrix)
+    check(Factor(library, entries), matrix, entries.value)
 
 
 def test_too_little_room_is_reported_with_what_is_needed(library: Path) -> None:

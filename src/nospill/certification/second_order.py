@@ -1,4 +1,4 @@
-"""Slosh heights to the second order in the place of the linear ones, where a scene asks for them.
+"""Slosh heights to the second order in the place of the linear ones, or the flow's where that is higher, as asked for.
 
 The judge's own waves are the first order, as they are integrated on its grid with the mass of the first mode on its
 paraboloid; what they drive is added to their surface round the wall (`potential_flow.driven`). After the end both
@@ -55,7 +55,7 @@ def with_second_order(traces: Iterable[Trace], scene: Scene, played: Replay) -> 
     def judged(trace: Trace) -> Trace:
         if trace.constraint == SloshHeight.name:
             value, of_flow = followed_waves(trace.subject).crests, crests().get(trace.subject)
-            value = value if of_flow is None else np.fmax(value, of_flow)
+            value = value if of_flow is None else np.maximum(value, of_flow)
         else:
             standing = np.clip(np.searchsorted(played.t, trace.t - 0.5 / played.rate), 0, len(played.t) - 1)
             value = np.array([left(trace.subject, int(index)) for index in standing])

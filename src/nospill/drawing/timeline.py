@@ -10,6 +10,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
+from nospill.certification.by_flow import crests_by_flow
 from nospill.certification.certificate import Judgement
 from nospill.certification.replay import Replay
 from nospill.certification.second_order import waves_along
@@ -35,7 +36,8 @@ class LiquidTrack:
     Attributes:
         coordinates: (m, k + 2 or 3) slosh coordinates in m and leans of the apparent gravity, then what the second
             order adds, m, where heights are judged to it; for `LiquidSurface`.
-        height: (m,) greatest rise round the wall, m.
+        height: (m,) greatest rise round the wall, m: the judge's during the motion, by the flow where that is higher
+            than the surface drawn, which is of second order at most.
         limit: m.
     """
 
@@ -157,13 +159,13 @@ def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[s
 def _to_order(
     liquids: dict[str, LiquidTrack], scene: Scene, played: Replay, picked: np.ndarray, after: np.ndarray
 ) -> dict[str, LiquidTrack]:
-    """The same with what the second order adds, of the liquids that are judged to it."""
+    """The same with what the second order adds, of the liquids that are judged to it, and heights by the flow."""
     step = 1.0 / played.rate
     later = step * np.arange(1, int(np.ceil(np.max(after) * played.rate)) + 1)
     rest = np.concatenate([np.zeros(6), played.body[6:, -1]])[:, None]
     body = np.concatenate([played.body, np.repeat(rest, len(later), axis=1)], axis=1)
     at = picked + np.rint(after * played.rate).astype(int)
-    found = dict(liquids)
+    found, moving, by_flow = dict(liquids), after == 0.0, crests_by_flow(scene, played)
     for cargo, part in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True):
         if not to_second_order(cargo, scene.motion.slosh_height):
             continue
@@ -173,10 +175,11 @@ def _to_order(
         free = free_states(frequency, damping, during[0][-1], during[1][-1], later)
         q, qd = (np.concatenate(both) for both in zip(during, free, strict=True))
         waves = waves_along(cargo, body, q, qd, step)
-        track = liquids[cargo.name]
-        found[cargo.name] = replace(
-            track, coordinates=np.column_stack([track.coordinates, waves.added[at, 0]]), height=waves.crests[at]
-        )
+        track, height = liquids[cargo.name], waves.crests[at]
+        if cargo.name in by_flow:
+            height[moving] = np.maximum(height, by_flow[cargo.name][picked])[moving]
+        coordinates = np.column_stack([track.coordinates, waves.added[at, 0]])
+        found[cargo.name] = replace(track, coordinates=coordinates, height=height)
     return found
 
 

@@ -132,8 +132,9 @@ class MotionTable(Table):
         HeightOrder | None,
         Field(
             description="what max_slosh_height bounds: the linear height, or, at full fidelity and in upright "
-            "cylinders and boxes, that of second order, to which real crests are nearer, or that of the nonlinear "
-            "flow; when left out the second where it is known, and the certificate says where not"
+            "cylinders and boxes, that of second order, to which real crests are nearer, or the higher of that and of "
+            "the nonlinear flow; when left out the last where heights after the end are of the flow, elsewhere the "
+            "second where it is known, and the certificate says where not"
         ),
     ] = None
     residual_height: Annotated[
