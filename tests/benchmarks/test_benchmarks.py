@@ -244,7 +244,7 @@ def test_a_baseline_that_did_not_converge_is_compared_with_nothing() -> None:
 @pytest.mark.parametrize("name", measurements.WHOLE_EXAMPLES)
 def test_a_change_of_an_example_with_the_whole_physics_changes_numbers_alone(name: str) -> None:
     stated = scenes.whole_example(name)
-    assert (stated.fidelity, stated.slosh_modes, stated.motion.slosh_height) == ("full", 20, "nonlinear")
+    assert (stated.fidelity, stated.slosh_modes) == ("full", 20) and stated.motion.slosh_height != "linear"
     for change in scenes.CHANGES:
         other = scenes.whole_changed(name, change)
         assert structure_of(other) == structure_of(stated), change

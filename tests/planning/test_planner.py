@@ -83,9 +83,9 @@ def test_still_liquids_are_near_the_best_of_many_random_starts(example_plan: Exa
         if solution.converged and solution.violation < 1e-5:
             durations.append(solution.stages.duration)
     assert len(durations) >= 4
-    # Poor minima are there, 13 % longer: the best is not what any start finds.
-    assert max(durations) > 1.1 * min(durations)
-    assert min(found.report.starts.durations) <= 1.01 * min(durations)
+    best = min(found.report.starts.durations)
+    assert max(durations) > 1.1 * best  # poor minima are there, 16 % longer: the best is not what any start finds
+    assert best <= 1.01 * min(durations)
 
 
 # --- what cannot be done --------------------------------------------------------------------------------------------

@@ -31,7 +31,7 @@ def test_every_example_is_certified(name: str, example_plan: Example) -> None:
     assert certify(found.trajectory, found.scene) == found.certificate
     # The fastest motion meets a limit of the scene, and meets it closely; less so where jerks weigh more for the flow.
     names = {constraint.name for constraint in CONSTRAINTS}
-    assert 0.97 < max(row.use for row in found.certificate.rows if row.constraint in names) <= 1.0
+    assert 0.95 < max(row.use for row in found.certificate.rows if row.constraint in names) <= 1.0
     report = found.report
     assert report.starts.tried >= report.starts.converged == len(report.starts.durations) >= report.starts.agreed >= 1
     assert 0 < report.solve_time < report.plan_time and report.iterations > 0
