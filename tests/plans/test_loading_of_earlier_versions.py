@@ -1,7 +1,8 @@
-"""What a plan folder is read as where its scenario leaves open to which order heights after the end are judged."""
+"""What a plan folder is read as where its scenario leaves open to which order heights are judged."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from nospill.certification.height_order import flow_note, height_note
 from nospill.certification.tracks import judged_tracks, with_recorded_modes
 from nospill.motion.trajectory import Trajectory
 from nospill.plans.loading import load_plan
+from nospill.plans.names import SUMMARY_FILE
 from nospill.plans.plan import Plan
 from nospill.plans.records import PlanningReport, motion_maxima
 from nospill.scenario.loading import read_scenario
@@ -55,3 +57,18 @@ def test_others_are_read_as_they_are(
     scene, motion, linear, by_flow = judged
     back = _saved(scene.changed(changes), motion, linear if changes else by_flow, tmp_path / "plan")
     assert back.scene.source == scene.changed(changes).source
+
+
+def test_crests_of_second_order_stay_that_where_the_summary_says_so(
+    judged: tuple[Scene, Trajectory, Judgement, Judgement], tmp_path: Path
+) -> None:
+    scene, motion, *_ = judged
+    second = judge_motion(motion, scene.changed({"motion.slosh_height": "second order"}))
+    folder, place = tmp_path / "before", tmp_path / "before" / SUMMARY_FILE
+    assert _saved(scene, motion, second, folder).scene.motion.slosh_height == "nonlinear"
+    summary = json.loads(place.read_text())
+    summary["slosh_height_order"] = dict.fromkeys(summary["slosh_height_order"], "second order")
+    place.write_text(json.dumps(summary))
+    back = load_plan(folder)
+    assert (back.scene.motion.slosh_height, back.scene.motion.residual_height) == ("second order", "nonlinear")
+    assert judge_motion(back.trajectory, back.scene).certificate.rows == second.certificate.rows

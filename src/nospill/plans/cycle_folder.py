@@ -43,7 +43,7 @@ def _as_certified(leg: CycleLeg, plan: Plan) -> CycleLeg:
     """The leg with heights of the orders that its folder was read with, `loading.as_certified`."""
     own, found = (scene.source.get("motion", {}) for scene in (leg.scene, plan.scene))
     orders = ("residual_height", "slosh_height")
-    changes = {f"motion.{key}": found[key] for key in orders if found.get(key) != own.get(key)}
+    changes = {f"motion.{key}": found[key] for key in orders if key in found and found[key] != own.get(key)}
     return replace(leg, scene=leg.scene.changed(changes)) if changes else leg
 
 
