@@ -10,7 +10,6 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from nospill.certification.by_flow import crests_by_flow
 from nospill.certification.certificate import Judgement
 from nospill.certification.replay import Replay
 from nospill.certification.second_order import waves_along
@@ -19,6 +18,7 @@ from nospill.core.trees import constants
 from nospill.drawing.surfaces import liquid_surface
 from nospill.laws.constraints.base import Role
 from nospill.laws.constraints.joint_speed import JointSpeed
+from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.laws.sample import object_motion
 from nospill.laws.scene_parameters import numbers_of, structure_of
 from nospill.laws.slosh.residual import free_motion, free_states
@@ -130,7 +130,7 @@ def make_film(plan: Plan, judgement: Judgement, *, rate: float, length: float | 
         tray_rotation=played.tray.rotation[picked],
         specific_force=played.body[6:9, picked].T,
         liquids=_to_order(
-            _liquids(scene, _coordinates(scene, played, picked, after), leans), scene, played, picked, after
+            _liquids(scene, _coordinates(scene, played, picked, after), leans), scene, judgement, picked, after
         ),
         contact_use=_contact_use(judgement, scene, picked),
     )
@@ -157,15 +157,17 @@ def _liquids(scene: Scene, coordinates: np.ndarray, leans: np.ndarray) -> dict[s
 
 
 def _to_order(
-    liquids: dict[str, LiquidTrack], scene: Scene, played: Replay, picked: np.ndarray, after: np.ndarray
+    liquids: dict[str, LiquidTrack], scene: Scene, judgement: Judgement, picked: np.ndarray, after: np.ndarray
 ) -> dict[str, LiquidTrack]:
-    """The same with what the second order adds, of the liquids that are judged to it, and heights by the flow."""
+    """The same with what the second order adds, of the liquids that are judged to it, and the judge's heights."""
+    played = judgement.replay
     step = 1.0 / played.rate
     later = step * np.arange(1, int(np.ceil(np.max(after) * played.rate)) + 1)
     rest = np.concatenate([np.zeros(6), played.body[6:, -1]])[:, None]
     body = np.concatenate([played.body, np.repeat(rest, len(later), axis=1)], axis=1)
     at = picked + np.rint(after * played.rate).astype(int)
-    found, moving, by_flow = dict(liquids), after == 0.0, crests_by_flow(scene, played)
+    found, moving = dict(liquids), after == 0.0
+    heights = {trace.subject: trace.value for trace in judgement.traces if trace.constraint == SloshHeight.name}
     for cargo, part in zip(scene.cargo, structure_of(scene).slosh_slices, strict=True):
         if not to_second_order(cargo, scene.motion.slosh_height):
             continue
@@ -176,8 +178,8 @@ def _to_order(
         q, qd = (np.concatenate(both) for both in zip(during, free, strict=True))
         waves = waves_along(cargo, body, q, qd, step)
         track, height = liquids[cargo.name], waves.crests[at]
-        if cargo.name in by_flow:
-            height[moving] = np.maximum(height, by_flow[cargo.name][picked])[moving]
+        if cargo.name in heights:
+            height[moving] = heights[cargo.name][picked][moving]
         coordinates = np.column_stack([track.coordinates, waves.added[at, 0]])
         found[cargo.name] = replace(track, coordinates=coordinates, height=height)
     return found
