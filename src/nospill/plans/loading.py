@@ -75,7 +75,7 @@ def _read(folder: str | Path, constraints: Iterable[Constraint] | None) -> Plan:
         maxima, report = restored_records(summary)
         unjudged = _limits_not_at_hand(summary)
         read = _rows(certificate["rows"])
-        orders = summary.get("slosh_height_order", {})
+        orders = dict(summary.get("slosh_height_order", {}))  # of a damaged one there is none
         scene = constrained(as_certified(read_scenario(place / SCENARIO_FILE), read, orders), constraints)
         names = {limit.name for limit in scene.constraints}
         scene = scene.with_constraints(scene.constraints, [limit for limit in unjudged if limit.name not in names])
