@@ -61,11 +61,18 @@ def field(page: Any, label: str) -> Any:
 def tab_to(page: Any, name: str) -> None:
     """Press the tabulator until what has the focus is called so."""
     called = "(() => { const e = document.activeElement; return e.getAttribute('aria-label') || e.textContent; })()"
-    for _ in range(150):
+
+    passed: set[str] = set()
+
+    def reached() -> bool:
         page.keyboard.press("Tab")
-        if page.evaluate(called).startswith(name):
-            return
-    pytest.fail(f"no tabulator leads to {name}")
+        at = page.evaluate(called)
+        if at not in passed:
+            print("the tabulator leads to", repr(at))  # seen where the test fails
+        passed.add(at)
+        return at.startswith(name)
+
+    until(page, reached, f"a tabulator that leads to {name}")
 
 
 def press(page: Any, name: str) -> None:

@@ -56,10 +56,9 @@ _SCRIPT = escape(
 (function () {
   if (window.nospillPage) return;
   window.nospillPage = true;
-  var due = false, focused = null, known = null;
+  var focused = null, known = null;
   function set(node, name, value) { if (node.getAttribute(name) !== value) node.setAttribute(name, value); }
   function look() {
-    due = false;
     document.querySelectorAll('label[for]').forEach(function (label) {
       var row = label.closest('.mantine-Flex-root');
       var entry = row && row.querySelector('input:not([type=hidden]),textarea');
@@ -76,11 +75,7 @@ _SCRIPT = escape(
     var again = focused && document.activeElement === document.body && document.getElementById(focused);
     if (again) again.focus({preventScroll: true});
   }
-  new MutationObserver(function () {
-    if (due) return;
-    due = true;
-    setTimeout(look, 0);
-  }).observe(document.body, {childList: true, subtree: true});
+  new MutationObserver(look).observe(document.body, {childList: true, subtree: true});
   look();
   window.nospillSay = function (object, x, y, end) {
     var field = document.getElementById('nospill-plan').parentElement.nextElementSibling.querySelector('input');
@@ -136,5 +131,6 @@ _SCRIPT = escape(
 """,
     quote=True,
 )
-"""React listens for the event `input` after a value was set behind its back. The tray's picture comes anew while keys
-are pressed: it says up to which report it is true, and an object that had the focus gets it again."""
+"""The observer is called before the next key is, so that no field is ever without its name. React listens for the event
+`input` after a value was set behind its back. The tray's picture comes anew while keys are pressed: it says up to which
+report it is true, and an object that had the focus gets it again."""
