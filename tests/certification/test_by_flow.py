@@ -11,10 +11,13 @@ import pytest
 from nospill.certification import by_flow
 from nospill.certification.by_flow import Left, crests_by_flow, doubted_flows, left_by_flow
 from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.height_order import flow_note, height_note, height_orders
+from nospill.certification.replay import replay
 from nospill.certification.second_order import heights_after, with_second_order
 from nospill.errors import ScenarioError
 from nospill.laws.constraints.base import RowId
 from nospill.motion.at_speed import at_speed
+from nospill.plans.state import states_of
 from nospill.plans.warnings import plan_warnings
 from nospill.potential_flow import crests, crests_along, flow_terms, greatest_height, rows_at
 from nospill.potential_flow.flow_along import FlowAlong
@@ -23,6 +26,7 @@ from nospill.scene.cargo import Cargo
 from nospill.scene.heights import HeightOrder, by_nonlinear_flow
 from nospill.scene.scene import Scene
 from nospill.scene.swing import Swing
+from nospill.stopping.solving import stopping_scene
 from tests.waters import cup, tub
 
 _RESIDUAL = "residual height"
@@ -101,7 +105,40 @@ def test_a_slosh_height_is_the_higher_of_both_orders(judged: tuple[Scene, Judgem
         np.testing.assert_array_equal(trace.value, higher)
         np.testing.assert_allclose(trace.margin, np.abs(trace.limit) - higher)
     stop = replace(scene, motion=replace(scene.motion, stop=True))
-    assert crests_by_flow(stop, second.replay) == {}
+    assert crests_by_flow(stop, second.replay).keys() == crests.keys()  # from rest it is followed like any motion
+
+
+def test_the_flow_goes_on_from_where_a_motion_is(judged: tuple[Scene, Judgement, Judgement], smooth_motion: Callable):
+    """From states within the motion, as a stop begins, crests are those of the flow from rest."""
+    whole, second, _ = judged
+    scene, played = (
+        whole.changed({"motion.slosh_height": "nonlinear", "motion.residual_height": "linear"}),
+        second.replay,
+    )
+    crests, record = crests_by_flow(scene, played), at_speed(smooth_motion("mixed-tray").trajectory, 0.8)
+    for state in states_of(record, scene, [0.3 * record.end_time, 0.6 * record.end_time]):
+        later = stopping_scene(scene, state)
+        rest = replay(state.rest, later)
+        found = crests_by_flow(later, rest)
+        assert found.keys() == crests.keys()
+        for name, heights in found.items():
+            expected = np.interp(rest.t + state.t, played.t, crests[name])
+            np.testing.assert_allclose(heights, expected, atol=0.01 * np.max(expected))
+
+
+def test_a_swing_whose_flow_nobody_has_followed_is_judged_to_the_second_order(
+    judged: tuple[Scene, Judgement, Judgement], smooth_motion: Callable
+):
+    whole, _, _ = judged
+    scene = whole.changed({"motion.slosh_height": "nonlinear", "motion.residual_height": "linear"})
+    record = at_speed(smooth_motion("mixed-tray").trajectory, 0.8)
+    (state,) = states_of(record, scene, [0.5 * record.end_time])
+    seen = {name: replace(swing, flow_height=(), flow_potential=()) for name, swing in state.swings.items()}
+    followed, unknown = (stopping_scene(scene, replace(state, swings=own)) for own in (state.swings, seen))
+    assert set(height_orders(followed).values()) == {"nonlinear"}
+    assert set(height_orders(unknown).values()) == {"second order"}
+    assert crests_by_flow(unknown, replay(state.rest, unknown)) == {}
+    assert "residual height" not in height_note(followed) and "begin" in flow_note(unknown)
 
 
 def test_a_replay_of_the_arm_alone_has_no_crests(judged: tuple[Scene, Judgement, Judgement]) -> None:
@@ -146,7 +183,7 @@ def test_a_flow_that_breaks_down_is_as_high_as_none_is(judged: tuple[Scene, Judg
     assert left.highest == pytest.approx(0.035, rel=1e-3)
     scene, _, judgement = judged
     stop = replace(scene, motion=replace(scene.motion, stop=True))
-    assert left_by_flow(stop, judgement.replay, -1) == {}
+    assert heights_after(stop, judgement.replay, np.linspace(0.0, 0.5, 11)) == {}  # what a stop leaves are its modes
 
 
 def test_a_flow_that_breaks_down_is_told_apart(

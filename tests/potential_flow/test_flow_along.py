@@ -7,9 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from nospill.potential_flow import flow_terms, flows_along, rows_at
+from nospill.errors import ModelError
+from nospill.laws.slosh.residual import free_states
+from nospill.potential_flow import flow_terms, flows_along, of_masses, rows_at
 from nospill.potential_flow.solving import whole_flow
 from nospill.scene.cargo import Cargo
+from nospill.scene.swing import Swing, swing_of
 from tests.waters import STILL, cup, tub
 
 _T = np.linspace(0.0, 0.5, 501)
@@ -72,6 +75,56 @@ def test_one_that_breaks_down_leaves_the_others() -> None:
     assert np.all(np.isnan(together[1].end))
     assert together[1].breaks_at is not None and 0.02 < together[1].breaks_at < 0.4
     np.testing.assert_allclose(together[0].end, alone[0].end, atol=1e-12)
+
+
+def _swinging(cargo: Cargo, swing: Swing) -> Cargo:
+    assert cargo.filling is not None
+    return replace(cargo, filling=replace(cargo.filling, initial_swing=swing))
+
+
+def test_a_flow_goes_on_from_its_own_state() -> None:
+    """From a step of the motion on, with the masses where they are and without: what is theirs is in the rest then."""
+    for cargo in (cup(), tub()):
+        (whole,), terms = flows_along([cargo], _T, _moved(0.5)), flow_terms(cargo)
+        middle = len(whole.states) // 2
+        t, count = middle * whole.step, sum(len(mode.directions) for mode in cargo.oscillators)
+        later = _T[t < _T]
+        body = np.hstack([np.array([[np.interp(t, _T, row)] for row in _moved(0.5)]), _moved(0.5)[:, t < _T]])
+        moved = np.random.default_rng(1).normal(size=(2, count)) * [[1e-3], [1e-2]]
+        for masses in (np.zeros((2, count)), moved):
+            height, potential = whole.states[middle] - of_masses(cargo, terms, *masses)
+            swing = replace(
+                swing_of(cargo.oscillators, *masses),
+                flow_height=tuple(height.tolist()),
+                flow_potential=tuple(potential.tolist()),
+            )
+            (found,) = flows_along([_swinging(cargo, swing)], np.r_[t, later], body)
+            np.testing.assert_allclose(found.states[0], whole.states[middle], atol=1e-12)
+            np.testing.assert_allclose(found.end[0], whole.end[0], atol=0.01 * np.max(np.abs(whole.end[0])))
+
+
+def test_a_mass_that_is_moved_moves_the_flow_as_its_mode_does() -> None:
+    """A little swing of one mode in a container that stands: the crest swings with its frequency and damping."""
+    cargo = cup()
+    slowest = min(cargo.oscillators, key=lambda mode: mode.frequency)
+    empty = (0.0,) * len(flow_terms(cargo).stiffness)
+    swing = Swing(((1e-5, 0.0),), ((0.0, 0.0),), flow_height=empty, flow_potential=empty)
+    (flow,) = flows_along([_swinging(cargo, swing)], _T, np.tile(STILL[:, None], (1, len(_T))))
+    t = flow.step * np.arange(len(flow.states))
+    mode = int(np.argmax(np.abs(flow.states[0, 0])))
+    expected = (
+        slowest.surface_gain
+        * free_states(np.array([slowest.frequency]), np.array([slowest.damping]), np.array([1e-5]), np.zeros(1), t)[0][
+            :, 0
+        ]
+    )
+    np.testing.assert_allclose(flow.states[:, 0, mode], expected, atol=2e-3 * expected[0])
+
+
+def test_a_flow_of_other_modes_is_refused() -> None:
+    swing = Swing(((1e-5, 0.0),), ((0.0, 0.0),), flow_height=(0.0,) * 5, flow_potential=(0.0,) * 5)
+    with pytest.raises(ModelError, match="has the flow in 5 modes; its liquid has 28"):
+        flows_along([_swinging(cup(), swing)], _T, _moved(0.5))
 
 
 def test_without_liquids_there_is_nothing() -> None:

@@ -21,6 +21,8 @@ from nospill.plans.plan import Plan
 from nospill.plans.stops import ControllerStop, Stops, stopped
 from nospill.stopping.controller import BrakedJoints, SlowedClock, braked, slowed_to_rest
 from nospill.stopping.films import stop_films
+from nospill.stopping.solving import splice_at
+from nospill.stopping.splices import states_with_leads
 
 EVERY = 1.2
 """s; three instants."""
@@ -90,8 +92,9 @@ def test_a_slowed_clock_keeps_to_the_way_and_its_rates_are_its_derivatives() -> 
 def test_a_controller_s_own_stop_is_judged(plan: Plan, found: Stops) -> None:
     """Softly braked everything holds but for what swings on; hard, the cup slides; both at the same instant."""
     assert [(item.t, item.kind) for item in found.controller[:2]] == [(EVERY, "joints"), (EVERY, "path")]
-    hard = braked(plan, 2 * EVERY, np.full(6, 40.0))
-    soft = slowed_to_rest(plan, 2 * EVERY, 4.0)
+    (state,), (lead,) = states_with_leads(plan, np.array([2 * EVERY]))
+    splice = splice_at(plan, state, lead)
+    hard, soft = braked(splice, np.full(6, 40.0)), slowed_to_rest(splice, 4.0)
     assert not hard.certified and "slides c1" in hard.text and hard.uses["slip | c1"] > 1.0
     assert hard.duration == pytest.approx(np.max(np.abs(plan.trajectory(2 * EVERY, 1))) / 40.0)
     assert not {key.split(" | ")[0] for key in soft.uses} & {"slip", "tip", "lift"}

@@ -13,7 +13,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from nospill.certification.replay import Replay
+from nospill.certification.replay import Replay, states_at
 from nospill.certification.wall_heights import INSTANTS, highest_on_wall, linear_heights
 from nospill.core.hermite import cubic_hermite
 from nospill.laws.scene_parameters import structure_of
@@ -26,6 +26,7 @@ from nospill.potential_flow import (
     greatest_height,
     height_gains,
     largest_slopes,
+    of_masses,
     rows_at,
 )
 from nospill.potential_flow.basin import Basin
@@ -86,7 +87,7 @@ def crests_by_flow(scene: Scene, played: Replay) -> dict[str, np.ndarray]:
 
     Args:
         scene: at full fidelity, as it was played.
-        played: the motion, from rest.
+        played: the motion.
     """
     followed = _followed(scene, scene.motion.slosh_height)
     if not followed:
@@ -143,6 +144,31 @@ def left_by_flow(scene: Scene, played: Replay, index: int) -> dict[str, Left]:
     }
 
 
+def beyond_masses_at(scene: Scene, played: Replay, t: np.ndarray) -> dict[str, np.ndarray]:
+    """What the flow of every liquid whose slosh height it judges has beyond the modal masses at some times.
+
+    By object heights, m, and potentials, m^2/s, (m, 2, J) in the modes of `flow_terms`; NaN where the flow broke down.
+
+    Args:
+        scene: at full fidelity, as it was played.
+        played: the motion.
+        t: (m,) s, of its clock.
+    """
+    from scipy.interpolate import CubicSpline  # slow to load
+
+    followed, found = _followed(scene, scene.motion.slosh_height), dict[str, np.ndarray]()
+    flows = _flows_along(tuple(_Itself(cargo) for cargo, _ in followed), _Itself(played), len(played.t) - 1)
+    displacement, velocity = states_at(played, t)
+    for (cargo, own), flow in zip(followed, flows, strict=True):
+        instants = played.t[0] + flow.step * np.arange(len(flow.states))
+        states = np.full((len(t), *flow.states.shape[1:]), np.nan)
+        if len(instants) > 1:
+            reached = t <= instants[-1]
+            states[reached] = CubicSpline(instants, flow.states)(t[reached])
+        found[cargo.name] = states - of_masses(cargo, flow_terms(cargo), displacement[own].T, velocity[own].T)
+    return found
+
+
 def broken_flows(scene: Scene, played: Replay) -> dict[str, tuple[float, float]]:
     """Of every liquid whose flow breaks down when that is, s, and as what its height counts from there on, m."""
     if "nonlinear" not in (scene.motion.slosh_height, scene.motion.residual_height):
@@ -183,7 +209,7 @@ def doubted_flows(scene: Scene, played: Replay) -> dict[str, str]:
 def _followed(scene: Scene, order: HeightOrder) -> list[tuple[Cargo, slice]]:
     """The objects whose height of this order the flow judges, with the places of their slosh coordinates."""
     pairs = zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)
-    return [] if scene.motion.stop else [(cargo, own) for cargo, own in pairs if by_nonlinear_flow(cargo, order)]
+    return [(cargo, own) for cargo, own in pairs if by_nonlinear_flow(cargo, order)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,7 +21,7 @@ def height_orders(scene: Scene) -> dict[str, str]:
         if scene.fidelity != "full":
             found[cargo.name] = f"{_LINEAR}the published physics are"
         elif to_second_order(cargo, motion.slosh_height):
-            by_flow = by_nonlinear_flow(cargo, motion.slosh_height) and not motion.stop
+            by_flow = by_nonlinear_flow(cargo, motion.slosh_height)
             found[cargo.name] = BY_FLOW if by_flow else SECOND
         else:
             stated = motion.slosh_height == "linear" and (motion.linear_since or "motion.slosh_height says so")
@@ -75,7 +75,7 @@ def flow_note(scene: Scene) -> str:
     which = " and ".join(name for name, order in asked if order == "nonlinear")
     if scene.fidelity != "full" or not which:
         return ""
-    found = [] if rules.stop else [item for item in scene.cargo if by_nonlinear_flow(item, "nonlinear")]
+    found = [item for item in scene.cargo if by_nonlinear_flow(item, "nonlinear")]
     if not found:
         return f"{which}: of no liquid by the nonlinear flow, which is of upright cups and boxes that begin at rest"
     names = [item.title for item in found]

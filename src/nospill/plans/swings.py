@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 
+from nospill.certification.by_flow import beyond_masses_at
 from nospill.certification.full_model import full_scene
 from nospill.certification.replay import Replay, replay, states_at
 from nospill.certification.run import run_of
@@ -31,7 +32,7 @@ def swings_at(
     Args:
         record: of the motion.
         scene: of it, with the swing that it begins with. Times within a motion by the published equations follow these.
-        t: (m,) s on the record's clock; None for the end of all, the wait included.
+        t: (m,) s on the record's clock; None for the end of all, the wait included, of which no flow is told.
         wait: s, for which the arm stands after the motion and its hold; rounded up to whole samples.
         following: the objects of the next motion: where the numbers of one may be off, its liquid is carried through
             the plan's motion with every one of these numbers, from the swing that it began that motion with.
@@ -57,7 +58,13 @@ def swings_at(
             swings = [swing_of(item.oscillators, q, rate) for q, rate in coordinates]
             is_known = scene.fidelity == "full" and to_second_order(item, "second order")
             found.append(_with_second(swings, item, played, own, times) if is_known else swings)
-        return found
+        if scene.fidelity != "full" or t is None:
+            return found
+        beyond = beyond_masses_at(carried, played, t)
+        return [
+            _with_flow(swings, beyond[item.name]) if item.name in beyond else swings
+            for item, swings in zip(cargo, found, strict=True)
+        ]
 
     liquids = {cargo.name: cargo for cargo in scene.cargo if cargo.filling is not None}
     swings = dict(zip(liquids, left([*liquids.values()]), strict=True)) if liquids else {}
@@ -119,6 +126,16 @@ def _with_second(swings: list[Swing], cargo: Cargo, played: Replay, own: slice, 
     return [
         replace(swing, second_height=tuple(height.tolist()), second_velocity=tuple(rate.tolist()))
         for swing, (height, rate) in zip(swings, at_times, strict=True)
+    ]
+
+
+def _with_flow(swings: list[Swing], beyond: np.ndarray) -> list[Swing]:
+    """The swings of a liquid at some times with what its flow has beyond them, (m, 2, J); as is where it broke down."""
+    return [
+        replace(swing, flow_height=tuple(height.tolist()), flow_potential=tuple(potential.tolist()))
+        if np.all(np.isfinite(height))
+        else swing
+        for swing, (height, potential) in zip(swings, beyond, strict=True)
     ]
 
 

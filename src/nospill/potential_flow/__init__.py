@@ -17,5 +17,6 @@ from nospill.potential_flow.driven_along import STEP_ANGLE as STEP_ANGLE
 from nospill.potential_flow.driven_along import second_order_states as second_order_states
 from nospill.potential_flow.flow_along import flow_terms as flow_terms
 from nospill.potential_flow.flow_along import flows_along as flows_along
+from nospill.potential_flow.flow_along import of_masses as of_masses
 from nospill.potential_flow.integration import rows_at as rows_at
 from nospill.potential_flow.solving import greatest_height as greatest_height

@@ -1,4 +1,4 @@
-"""The nonlinear flow of several liquids along a motion from rest."""
+"""The nonlinear flow of several liquids along a motion, from rest or from what another motion has left of it."""
 
 from __future__ import annotations
 
@@ -8,18 +8,23 @@ from functools import lru_cache
 
 import numpy as np
 
+from nospill.core.units import as_written
+from nospill.errors import ModelError
 from nospill.potential_flow.basin import FINE, basin_of
-from nospill.potential_flow.driven import LiquidKey
+from nospill.potential_flow.driven import LiquidKey, height_gains
 from nospill.potential_flow.integration import rows_at
 from nospill.potential_flow.orders import LinearTerms, linear_terms
 from nospill.potential_flow.solving import flow_states
 from nospill.scene.cargo import Cargo
 from nospill.scene.containers.cylinder import Cylinder
+from nospill.scene.swing import coordinates
 
 _STEP_ANGLE = 0.4
 """Largest step, rad of the fastest mode: what is left is within 1 % of that with a third of it. With 0.5 and more some
 flows of a third of the radius break down that do not with smaller steps. In syrups the damping is faster than
 the modes, most on high crests."""
+_SAME_WAVE = 1e-6
+"""Relative difference of wave numbers up to which modes of two sets are the same."""
 _OF_DAMPING = 4.0
 """Rate at which the damping acts on crests of 0.3 of the radius over zeta omega: with half of it syrups break down."""
 
@@ -59,7 +64,8 @@ def flows_along(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray, fines
     """The flow of each liquid.
 
     Args:
-        objects: with the liquids, at rest at the first instant; cups are followed together, and like boxes.
+        objects: with the liquids; each begins with its initial swing, at rest where it has none. Cups are followed
+            together, and like boxes.
         t: (m,) s.
         body: (9, m) angular velocity, angular acceleration and specific force of the tray, its axes.
         finest: largest wave number over that of the slowest mode.
@@ -74,12 +80,42 @@ def flows_along(objects: Sequence[Cargo], t: np.ndarray, body: np.ndarray, fines
         counts = [int(np.ceil(float(t[-1] - t[0]) * _fastest(one) / _STEP_ANGLE)) for one in terms]
         step = np.array([2.0 * _instants(t, count)[1] for count in counts])
         along = [_rows(*one, t, body, max(counts)) for one in zip(own, terms, counts, strict=True)]
-        states, reached = flow_states(terms, np.stack(along, axis=-1), step)
+        start = np.stack([_beginning(*one) for one in zip(own, terms, strict=True)])
+        states, reached = flow_states(terms, start, np.stack(along, axis=-1), step)
         for index, place in enumerate(places):
             steps = min(int(reached[index]), counts[index])
             breaks_at = None if steps == counts[index] else float(t[0] + steps * step[index])
             found[place] = FlowAlong(states[: steps + 1, index], float(step[index]), breaks_at)
     return [found[index] for index in range(len(objects))]
+
+
+def of_masses(cargo: Cargo, terms: LinearTerms, displacement: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Heights, m, and potentials, m^2/s, of the modes of a flow that modal masses move, (..., 2, J).
+
+    Args:
+        cargo: whose liquid.
+        terms: of its flow.
+        displacement: (..., k) of the masses, m.
+        velocity: (..., k) likewise, m/s.
+    """
+    gains = height_gains(cargo.oscillators, terms.basin).T
+    return np.stack([displacement @ gains, velocity @ gains / terms.stiffness], axis=-2)
+
+
+def _beginning(cargo: Cargo, terms: LinearTerms) -> np.ndarray:
+    """(2, J) state at the first instant: what the initial swing moves, and what its flow has beyond that."""
+    swing = None if cargo.filling is None else cargo.filling.initial_swing
+    if swing is None:
+        return np.zeros((2, len(terms.stiffness)))
+    beyond = np.array([swing.flow_height, swing.flow_potential])
+    known = flow_terms(cargo).basin.modes.wave_number
+    if beyond.shape != (2, len(known)):
+        raise ModelError(
+            f"cargo {as_written(cargo.name)}: initial_swing has the flow in {beyond.shape[1]} modes; its liquid has "
+            f"{len(known)}"
+        )
+    carried = known <= np.max(terms.basin.modes.wave_number) * (1.0 + _SAME_WAVE)
+    return of_masses(cargo, terms, *coordinates(swing, cargo.oscillators)) + beyond[:, carried]
 
 
 def _fastest(terms: LinearTerms) -> float:

@@ -72,11 +72,14 @@ def whole_flow(terms: LinearTerms, start: np.ndarray, rows: np.ndarray, step: fl
     return np.concatenate(parts)[:, 0]
 
 
-def flow_states(terms: Sequence[LinearTerms], rows: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """States (m + 1, c, 2, J) of the full flow along a motion that c containers begin at rest.
+def flow_states(
+    terms: Sequence[LinearTerms], start: np.ndarray, rows: np.ndarray, step: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """States (m + 1, c, 2, J) of the full flow of c containers along a motion.
 
     Args:
         terms: (c,) of the basin of each: cups with the same waves, of any size and depth, or like boxes.
+        start: (c, 2, J) heights, m, and potentials, m^2/s, when it begins.
         rows: (9, 2 m + 1, c).
         step: (c,) s.
 
@@ -85,7 +88,7 @@ def flow_states(terms: Sequence[LinearTerms], rows: np.ndarray, step: np.ndarray
     """
     count, places = rows.shape[1] // 2, rows.shape[2]
     found = np.full((count + 1, places, 2, len(terms[0].stiffness)), np.nan)
-    found[0] = 0.0
+    found[0] = start
     reached, gone = np.full(places, count), 0
     for states, holds in _followed(terms, found[0], rows, step):
         found[gone + 1 : gone + len(states)] = states[1:]

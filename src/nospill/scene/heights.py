@@ -44,13 +44,14 @@ def linear_since(cargo: Cargo) -> str | None:
 def by_nonlinear_flow(cargo: Cargo, order: HeightOrder) -> bool:
     """Whether a height of an object's liquid is judged by the nonlinear flow where the scene says `order` of it.
 
-    Of upright cups and boxes, the liquid as stated, at the planned speed and from rest; others are judged to the second
-    order.
+    Of upright cups and boxes, the liquid as stated, at the planned speed and from rest or a swing of which the flow is
+    known; others are judged to the second order.
     """
     filling = cargo.filling
     if order != "nonlinear" or filling is None or not to_second_order(cargo, order):
         return False
-    return filling.initial_swing is None and filling.frequency_factor == 1.0 and not cargo.is_slowed
+    begins = filling.initial_swing is None or filling.initial_swing.by_flow
+    return begins and filling.frequency_factor == 1.0 and not cargo.is_slowed
 
 
 def to_second_order(cargo: Cargo, order: HeightOrder) -> bool:

@@ -53,6 +53,9 @@ class Swing:
         second_height: of the modes that these drive to the second order, as `potential_flow.driven_basin` has them, m;
             empty where nobody knows.
         second_velocity: their own velocities, without what drives them, m/s; the same modes.
+        flow_height: what the nonlinear flow has beyond the modal masses, in the modes of `potential_flow.flow_terms`,
+            m; empty where nobody has followed it.
+        flow_potential: its potentials likewise, m^2/s; the same modes.
         variants: the swing of the same liquid where its numbers are off, which the motion before left otherwise.
     """
 
@@ -62,6 +65,8 @@ class Swing:
     yaw_velocity: tuple[float, ...] = ()
     second_height: tuple[float, ...] = ()
     second_velocity: tuple[float, ...] = ()
+    flow_height: tuple[float, ...] = ()
+    flow_potential: tuple[float, ...] = ()
     variants: tuple[tuple[LiquidOffset, Swing], ...] = ()
 
     @property
@@ -74,6 +79,11 @@ class Swing:
     def to_second_order(self) -> bool:
         """Whether it is known to the second order, in all variants."""
         return bool(self.second_height) and all(swing.to_second_order for _, swing in self.variants)
+
+    @property
+    def by_flow(self) -> bool:
+        """Whether the nonlinear flow goes on from it."""
+        return bool(self.flow_height)
 
     def of(self, offset: LiquidOffset) -> Swing | None:
         """The swing of the liquid whose numbers are off by this; None where nobody knows it."""

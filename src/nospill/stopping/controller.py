@@ -1,12 +1,13 @@
 """What a controller's own stop does: each joint braked by itself, or time scaled to zero along the path.
 
-The motion is the plan until the instant, then the brake, sampled at the plan's rate; it is judged as any joint motion,
-from rest to rest: the quintic spline through the samples, so that its acceleration jumps within a period.
+The motion is the plan until the instant, then the brake, sampled at the plan's rate. It is judged as a spill-free stop
+is, from a few samples of the plan before it to a second of rest after: the quintic spline through the samples, so that
+its acceleration jumps within a period.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -17,14 +18,12 @@ from nospill.laws.constraints import OBJECT_NAMES
 from nospill.laws.constraints.slosh_height import SloshHeight
 from nospill.motion.interpolation import HeldMotion, JointMotion
 from nospill.motion.trajectory import Trajectory
-from nospill.plans.plan import Plan
 from nospill.plans.stops import ControllerStop
 from nospill.scene.scene import Scene
+from nospill.stopping.splices import Splice
 
 _HIGHEST = 0.3
 """m; a crest so far above its limit is a figure of linear equations and of no liquid."""
-_AFTER = 0.05
-"""s; how long the arm stands at the end of what is judged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,15 +96,15 @@ class SlowedClock:
         return self.before(clock, 3) * rate**3 + 3.0 * self.before(clock, 2) * rate * change
 
 
-def braked(plan: Plan, t: float, deceleration: np.ndarray) -> ControllerStop:
-    """The verdict on the stop in which each joint brakes by itself, with a deceleration (n,), rad/s^2, from t, s."""
-    motion = BrakedJoints(plan.trajectory.motion, t, deceleration)
-    return _judged(plan, motion, t, "joints", motion.duration)
+def braked(splice: Splice, deceleration: np.ndarray) -> ControllerStop:
+    """The verdict on the stop in which each joint brakes by itself, with a deceleration (n,), rad/s^2."""
+    motion = BrakedJoints(splice.record.motion, splice.t, deceleration)
+    return _judged(splice, motion, "joints", motion.duration)
 
 
-def slowed_to_rest(plan: Plan, t: float, slowing: float) -> ControllerStop:
-    """The verdict on the stop in which time is scaled to zero along the path within a time `slowing`, s, from t on."""
-    return _judged(plan, SlowedClock(plan.trajectory.motion, t, slowing), t, "path", slowing)
+def slowed_to_rest(splice: Splice, slowing: float) -> ControllerStop:
+    """The verdict on the stop in which time is scaled to zero along the path within a time `slowing`, s."""
+    return _judged(splice, SlowedClock(splice.record.motion, splice.t, slowing), "path", slowing)
 
 
 def judged_to_rest(motion: JointMotion, end: float, rate: float, scene: Scene, after: float = 1.0) -> Judgement:
@@ -114,18 +113,22 @@ def judged_to_rest(motion: JointMotion, end: float, rate: float, scene: Scene, a
     Raises:
         ModelError: the liquids cannot be integrated.
     """
-    times = np.arange(int(np.ceil((end + after) * rate)) + 1) / rate
-    held = HeldMotion(motion, 0.0, float(times[-1]))
-    record = Trajectory.of_joints(times, scene.robot.joints, *(held(times, order) for order in range(3)))
-    return judge_joints(record, scene)
+    return judge_joints(_sampled(motion, 0.0, end + after, rate, scene), scene)
 
 
-def _judged(
-    plan: Plan, motion: JointMotion, t: float, kind: Literal["joints", "path"], duration: float
-) -> ControllerStop:
+def _sampled(motion: JointMotion, begin: float, end: float, rate: float, scene: Scene) -> Trajectory:
+    """Samples of joints from one time to another, s, on a clock that begins with them."""
+    times = np.arange(int(np.ceil((end - begin) * rate)) + 1) / rate
+    held = HeldMotion(motion, begin, begin + float(times[-1]))
+    return Trajectory.of_joints(times, scene.robot.joints, *(held(begin + times, order) for order in range(3)))
+
+
+def _judged(splice: Splice, motion: JointMotion, kind: Literal["joints", "path"], duration: float) -> ControllerStop:
+    t, scene = splice.t, splice.scene
+    end = t + duration + scene.motion.hold_after
+    record = replace(_sampled(motion, splice.lead.t, end, splice.record.rate, scene), in_motion=True)
     try:
-        judgement = judged_to_rest(motion, t + duration, plan.trajectory.rate, plan.scene, _AFTER)
-        certificate = judgement.certificate
+        certificate = judge_joints(record, scene).certificate
     except ModelError:  # the liquid moves as no linear one does
         return ControllerStop(t, kind, duration, False, float("inf"), {})
     broken = [row for row in certificate.rows if not row.ok and row.constraint in OBJECT_NAMES]

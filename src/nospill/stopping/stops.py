@@ -22,7 +22,7 @@ from nospill.robots.robot import Robot
 from nospill.stopping.controller import braked, slowed_to_rest
 from nospill.stopping.later import sooner_by_waiting
 from nospill.stopping.own_way import along_own_way
-from nospill.stopping.solving import joint_path_of, rest_of_plan, stop_from
+from nospill.stopping.solving import joint_path_of, rest_of_plan, splice_at, stop_from
 from nospill.stopping.splices import states_with_leads
 
 EVERY = 0.02
@@ -80,9 +80,11 @@ def stops(
     own_way = along_own_way(plan, every)
     states, leads = states_with_leads(own_way, instants)
     own, controller = [], []
-    for number, stop in enumerate(_one_by_one(own_way, states, leads, residual), start=1):
+    found = _one_by_one(own_way, states, leads, residual)
+    for number, (stop, state, lead) in enumerate(zip(found, states, leads, strict=True), start=1):
         own.append(stop)
-        controller += [braked(plan, stop.t, brake), slowed_to_rest(plan, stop.t, slowing)]
+        splice = splice_at(own_way, state, lead, residual)
+        controller += [braked(splice, brake), slowed_to_rest(splice, slowing)]
         if progress is not None:
             progress(number, len(states))
     own = _waiting(own_way, states, leads, own, residual)
