@@ -16,7 +16,6 @@ import resource
 import sys
 import time
 from collections import Counter
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,15 +25,11 @@ import nospill as ns
 from benchmarks.campaign.lines import Lines
 from benchmarks.campaign.process import Job, run_job
 from benchmarks.campaign.run import package
-from nospill.certification.verdict import Certificate
+from benchmarks.stops.judging import played_joints, verdict_from_rest
 from nospill.certification.wording import finding
 from nospill.errors import NospillError
-from nospill.motion.interpolation import QUINTIC_SPLINE
-from nospill.plans.plan import Plan
-from nospill.plans.stops import Stop, stopped
+from nospill.plans.stops import Stop
 from nospill.scenario import scene_from_table
-from nospill.stopping.controller import judged_to_rest
-from nospill.verify.tray_motion import PlayedJoints, replay_joints
 
 CASES = Path(__file__).parents[1] / "results" / "campaign.jsonl.gz"
 MODULE = "benchmarks.stops.campaign"
@@ -65,28 +60,15 @@ def case(table: dict[str, Any], name: str, every: float) -> dict[str, Any]:
     line["broken"], line["moved"], line["played"] = [], [], 0
     sooner = [stop for stop in found.stops if stop.is_sooner]
     for number, stop in enumerate(sooner):
-        certificate = _verdict(plan, stop, found.residual)
+        certificate = verdict_from_rest(plan, stop, found.residual)
         if not certificate.ok:
             line["broken"].append(_told(stop) | {"row": finding(certificate)})
         if number % _PLAYED == 0:
             line["played"] += 1
-            report = verify(plan, joints=_joints(plan, stop))
+            report = verify(plan, joints=played_joints(plan, stop))
             if not report.ok:
                 line["moved"].append(_told(stop) | {"message": report.message})
     return line
-
-
-def _verdict(plan: Plan, stop: Stop, residual: float) -> Certificate:
-    """On a plan, a stop of it and a second of rest, as one motion."""
-    scene = replace(plan.scene, motion=replace(plan.scene.motion, end="residual", residual_fraction=residual))
-    samples = stopped(plan.trajectory, stop)
-    motion = QUINTIC_SPLINE.motion(samples)
-    return judged_to_rest(motion, float(samples.t[-1]), plan.trajectory.rate, scene).certificate
-
-
-def _joints(plan: Plan, stop: Stop) -> PlayedJoints:
-    samples, source = stopped(plan.trajectory, stop), f"stop from {stop.t:.3f} s"
-    return replay_joints(samples, plan.scene, interpolation=QUINTIC_SPLINE, source=source)
 
 
 def _told(stop: Stop) -> dict[str, Any]:

@@ -122,8 +122,10 @@ def test_the_flow_goes_on_from_where_a_motion_is(judged: tuple[Scene, Judgement,
         found = crests_by_flow(later, rest)
         assert found.keys() == crests.keys()
         for name, heights in found.items():
-            expected = np.interp(rest.t + state.t, played.t, crests[name])
-            np.testing.assert_allclose(heights, expected, atol=0.01 * np.max(expected))
+            expected, most = np.interp(rest.t + state.t, played.t, crests[name]), np.max(crests[name])
+            np.testing.assert_allclose(heights, expected, atol=6e-3 * most)  # steps begin at other instants
+            high = expected > 0.8 * most
+            assert np.all(heights[high] >= expected[high])
 
 
 def test_a_swing_whose_flow_nobody_has_followed_is_judged_to_the_second_order(

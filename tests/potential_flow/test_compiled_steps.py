@@ -142,13 +142,13 @@ def test_flows_end_where_they_end_by_law(count: int, monkeypatch: pytest.MonkeyP
     start = np.zeros((2, len(terms.stiffness)))
     states, (ends, reached) = (
         whole_flow(terms, start, rows, STEP),
-        flow_states([terms], rows[..., None], np.array([STEP])),
+        flow_states([terms], start[None], rows[..., None], np.array([STEP])),
     )
     monkeypatch.setenv("NOSPILL_COMPILE", "off")
     assert compiled_steps([terms]) is None
     expected, (others, steps) = (
         whole_flow(terms, start, rows, STEP),
-        flow_states([terms], rows[..., None], np.array([STEP])),
+        flow_states([terms], start[None], rows[..., None], np.array([STEP])),
     )
     assert len(states) == len(expected) == steps[0] + 1 == reached[0] + 1
     assert (len(states) == count + 1) == (count == 90)

@@ -104,7 +104,7 @@ def test_a_controller_s_own_stop_is_judged(plan: Plan, found: Stops) -> None:
 def test_what_a_stop_does_is_said_in_words() -> None:
     stop = ControllerStop(0.7, "joints", 0.2, False, 0.006, {"slosh height | c1": 1.4, "slip | c2": 2.0})
     assert stop.text == "crest 6 mm too high, slides c2"
-    assert replace(stop, spill=float("inf"), uses={}).text == "beyond the slosh model"
+    assert replace(stop, spill=float("inf")).text == "beyond the slosh model, slides c2"
     assert replace(stop, certified=True).text == "holds"
     many = {f"tip | c{number}": 2.0 for number in range(5)}
     assert replace(stop, spill=0.0, uses=many).text == "tips 5"

@@ -73,7 +73,7 @@ class ControllerStop:
         duration: s, until the arm stands.
         certified: whether every limit holds.
         spill: m, of the liquid that is highest above its `max_slosh_height`; 0 where none is, infinite where one is
-            beyond what can be integrated.
+            beyond what can be integrated, or its flow breaks down.
         uses: largest use of a limit by "constraint | subject", of those on objects and liquids that are broken.
     """
 
@@ -89,9 +89,9 @@ class ControllerStop:
         """What it does, in words: "crest 6 mm too high, slides c2", or "holds"."""
         if self.certified:
             return "holds"
-        if math.isinf(self.spill):
-            return "beyond the slosh model"
-        parts = [f"crest {1e3 * self.spill:.0f} mm too high"] if self.spill > 0.0 else []
+        parts = ["beyond the slosh model"] if math.isinf(self.spill) else []
+        if 0.0 < self.spill < math.inf:
+            parts.append(f"crest {1e3 * self.spill:.0f} mm too high")
         for constraint, verb in CONTACT_VERBS.items():
             names = sorted(key.partition(" | ")[2] for key in self.uses if key.partition(" | ")[0] == constraint)
             if names:

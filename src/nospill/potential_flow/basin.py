@@ -35,6 +35,9 @@ grow as exp(k eta): with 12/R a free wave of R/3 breaks up in the flow's numbers
 order takes the coarse set: of it the shortest waves of a fine one are the larger part where accelerations jump, of the
 full flow they are not."""
 
+SAME_WAVE = 1e-6
+"""Relative difference of wave numbers up to which modes of two sets are the same."""
+
 LINEAR_MODES = 12
 """Modes in each direction of the linear flow; what is left follows the apparent gravity at once."""
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.potential_flow.basin import Basin
+from nospill.potential_flow.basin import SAME_WAVE, Basin
 from nospill.potential_flow.integration import STEP_ANGLE, rows_at
 from nospill.potential_flow.orders import LinearTerms, first_order, linear_terms
 from nospill.potential_flow.solving import linear_flow
@@ -86,7 +86,7 @@ def _start(cargo: Cargo, terms: LinearTerms, row: np.ndarray) -> np.ndarray:
     modes, column = terms.basin.modes, 0
     for mode in filling.oscillators:
         for direction in mode.directions:
-            near = np.isclose(modes.wave_number, mode.wave_number, rtol=1e-6)
+            near = np.isclose(modes.wave_number, mode.wave_number, rtol=SAME_WAVE)
             share = np.ones(state.shape[1]) if mode.yaws else np.abs(terms.place[:, "xy".index(direction)])
             if np.any(near):
                 index = int(np.argmax(np.where(near, share, -1.0)))

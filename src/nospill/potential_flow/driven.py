@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from nospill.potential_flow.basin import Basin, driven_basin
+from nospill.potential_flow.basin import SAME_WAVE, Basin, driven_basin
 from nospill.potential_flow.interactions import Interactions, interactions
 from nospill.potential_flow.orders import LinearTerms, linear_terms
 from nospill.scene.cargo import Cargo
@@ -113,14 +113,11 @@ def height_gains(oscillators: Sequence[Oscillator], basin: Basin) -> np.ndarray:
     Of modes of one frequency a mass along a side has the one that lies along it, and a yaw mode the one that a turn
     pushes as it pushes the mass: in a square box (1, 3) and (3, 1) are pushed against each other.
     """
-    modes, place, columns = basin.modes, basin.place, []
+    modes, shares = basin.modes, np.abs(basin.place)
     turned = modes.coefficients(modes.turn_potential)
-    for mode in oscillators:
-        near = np.isclose(modes.wave_number, mode.wave_number, rtol=1e-6)
-        for direction in mode.directions:
-            share = mode.arm * turned if mode.yaws else np.abs(place[:, "xy".index(direction)])
-            column = np.zeros(len(near))
-            if np.any(near):
-                column[int(np.argmax(np.where(near, share, -np.inf)))] = mode.surface_gain
-            columns.append(column)
-    return np.array(columns).T
+    masses = [(mode, direction) for mode in oscillators for direction in mode.directions]
+    number, gain = np.array([(mode.wave_number, mode.surface_gain) for mode, _ in masses]).T
+    near = np.abs(modes.wave_number[:, None] - number) <= SAME_WAVE * number
+    pushed = [mode.arm * turned if mode.yaws else shares[:, "xy".index(direction)] for mode, direction in masses]
+    nearest = np.argmax(np.where(near, np.transpose(pushed), -np.inf), axis=0)
+    return np.where(near & (np.arange(len(near))[:, None] == nearest), gain, 0.0)

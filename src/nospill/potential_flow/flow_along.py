@@ -10,7 +10,7 @@ import numpy as np
 
 from nospill.core.units import as_written
 from nospill.errors import ModelError
-from nospill.potential_flow.basin import FINE, basin_of
+from nospill.potential_flow.basin import FINE, SAME_WAVE, basin_of
 from nospill.potential_flow.driven import LiquidKey, height_gains
 from nospill.potential_flow.integration import rows_at
 from nospill.potential_flow.orders import LinearTerms, linear_terms
@@ -23,8 +23,6 @@ _STEP_ANGLE = 0.4
 """Largest step, rad of the fastest mode: what is left is within 1 % of that with a third of it. With 0.5 and more some
 flows of a third of the radius break down that do not with smaller steps. In syrups the damping is faster than
 the modes, most on high crests."""
-_SAME_WAVE = 1e-6
-"""Relative difference of wave numbers up to which modes of two sets are the same."""
 _OF_DAMPING = 4.0
 """Rate at which the damping acts on crests of 0.3 of the radius over zeta omega: with half of it syrups break down."""
 
@@ -114,7 +112,7 @@ def _beginning(cargo: Cargo, terms: LinearTerms) -> np.ndarray:
             f"cargo {as_written(cargo.name)}: initial_swing has the flow in {beyond.shape[1]} modes; its liquid has "
             f"{len(known)}"
         )
-    carried = known <= np.max(terms.basin.modes.wave_number) * (1.0 + _SAME_WAVE)
+    carried = known <= np.max(terms.basin.modes.wave_number) * (1.0 + SAME_WAVE)
     return of_masses(cargo, terms, *coordinates(swing, cargo.oscillators)) + beyond[:, carried]
 
 

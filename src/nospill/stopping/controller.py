@@ -7,11 +7,13 @@ its acceleration jumps within a period.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from nospill.certification.by_flow import broken_flows
 from nospill.certification.certificate import Judgement, judge_joints
 from nospill.errors import ModelError
 from nospill.laws.constraints import OBJECT_NAMES
@@ -128,12 +130,14 @@ def _judged(splice: Splice, motion: JointMotion, kind: Literal["joints", "path"]
     end = t + duration + scene.motion.hold_after
     record = replace(_sampled(motion, splice.lead.t, end, splice.record.rate, scene), in_motion=True)
     try:
-        certificate = judge_joints(record, scene).certificate
+        judgement = judge_joints(record, scene)
+        certificate = judgement.certificate
     except ModelError:  # the liquid moves as no linear one does
-        return ControllerStop(t, kind, duration, False, float("inf"), {})
+        return ControllerStop(t, kind, duration, False, math.inf, {})
     broken = [row for row in certificate.rows if not row.ok and row.constraint in OBJECT_NAMES]
     over = [row.worst_value - row.limit for row in broken if row.constraint == SloshHeight.name]
     if max(over, default=0.0) > _HIGHEST:
-        return ControllerStop(t, kind, duration, False, float("inf"), {})
+        return ControllerStop(t, kind, duration, False, math.inf, {})
     uses = {f"{row.constraint} | {row.subject}": row.use for row in broken}
-    return ControllerStop(t, kind, duration, certificate.ok, max(over, default=0.0), uses)
+    spill = math.inf if broken_flows(scene, judgement.replay) else max(over, default=0.0)
+    return ControllerStop(t, kind, duration, certificate.ok, spill, uses)
