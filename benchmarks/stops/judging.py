@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from nospill.certification.verdict import Certificate
 from nospill.motion.interpolation import QUINTIC_SPLINE
 from nospill.plans.plan import Plan
 from nospill.plans.stops import Stop, stopped
-from nospill.stopping.controller import judged_to_rest
+from nospill.stopping.controller import judged_to_rest, scene_to_rest
 from nospill.verify.tray_motion import PlayedJoints, replay_joints
 
 
@@ -18,12 +16,11 @@ def verdict_from_rest(plan: Plan, stop: Stop, residual: float) -> Certificate:
     Args:
         plan: certified.
         stop: of it.
-        residual: how high liquids may swing on after it, over max_slosh_height; heights after a stop are linear.
+        residual: how high liquids may swing on after it, over max_slosh_height.
     """
-    motion = replace(plan.scene.motion, end="residual", residual_fraction=residual, residual_height="linear")
-    samples = stopped(plan.trajectory, stop)
-    joints, end = QUINTIC_SPLINE.motion(samples), float(samples.t[-1])
-    return judged_to_rest(joints, end, plan.trajectory.rate, replace(plan.scene, motion=motion)).certificate
+    samples, scene = stopped(plan.trajectory, stop), scene_to_rest(plan.scene, residual)
+    motion = QUINTIC_SPLINE.motion(samples)
+    return judged_to_rest(motion, float(samples.t[-1]), plan.trajectory.rate, scene).certificate
 
 
 def played_joints(plan: Plan, stop: Stop) -> PlayedJoints:

@@ -71,7 +71,8 @@ def flow_note(scene: Scene) -> str:
     "slosh height and residual height by the nonlinear flow: cup, mug; others to the second order".
     """
     rules = scene.motion
-    asked = [(SloshHeight.name, rules.slosh_height), (ResidualHeight.name, rules.residual_height)]
+    asked = [(SloshHeight.name, rules.slosh_height)]
+    asked += [] if rules.stop else [(ResidualHeight.name, rules.residual_height)]
     which = " and ".join(name for name, order in asked if order == "nonlinear")
     if scene.fidelity != "full" or not which:
         return ""

@@ -109,6 +109,17 @@ def slowed_to_rest(splice: Splice, slowing: float) -> ControllerStop:
     return _judged(splice, SlowedClock(splice.record.motion, splice.t, slowing), "path", slowing)
 
 
+def scene_to_rest(scene: Scene, residual: float) -> Scene:
+    """The scene of a plan and a stop of it as one motion from rest, which ends as stops do.
+
+    Args:
+        scene: of the plan.
+        residual: how high liquids may swing on, over max_slosh_height; of the modes, as a stop has them.
+    """
+    rules = replace(scene.motion, end="residual", residual_fraction=residual, residual_height="linear")
+    return replace(scene, motion=rules)
+
+
 def judged_to_rest(motion: JointMotion, end: float, rate: float, scene: Scene, after: float = 1.0) -> Judgement:
     """The verdict on joints that come to rest at an end, s, and stand for a time after it, s, from samples at a rate.
 

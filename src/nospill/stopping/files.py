@@ -7,7 +7,7 @@ the plan's start. A URScript program holds the plan and a branch to every stop.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,7 @@ from nospill.plans.handover import rate_of, read_samples, require_exportable
 from nospill.plans.plan import Plan
 from nospill.plans.stops import Stop, Stops, stopped
 from nospill.scene.scene import Scene
-from nospill.stopping.controller import judged_to_rest
+from nospill.stopping.controller import judged_to_rest, scene_to_rest
 
 _ON_GRID = 1e-6
 """Of a period, by which an instant may be off a sample."""
@@ -137,6 +137,5 @@ def _verdict(
     pairs = zip(_columns(samples), _columns(stop), strict=False)
     t = np.concatenate([samples.t[:row], samples.t[row] + stop.t])
     whole = JointSamples(t, *(np.concatenate([own[:row], other]) for own, other in pairs))
-    rules = replace(plan.scene.motion, end="residual", residual_fraction=residual)
-    scene = replace(plan.scene, motion=rules)
+    scene = scene_to_rest(plan.scene, residual)
     return judged_to_rest(interpolation.motion(whole), float(t[-1]), plan.trajectory.rate, scene).certificate

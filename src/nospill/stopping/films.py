@@ -21,7 +21,7 @@ from nospill.plans.handover import read_samples
 from nospill.plans.loading import load_plan
 from nospill.plans.names import STOPS_FILE, STOPS_FOLDER
 from nospill.plans.plan import Plan
-from nospill.stopping.controller import BrakedJoints, judged_to_rest
+from nospill.stopping.controller import BrakedJoints, judged_to_rest, scene_to_rest
 
 OWN, BRAKED = "spill-free stop", "joints braked"
 """Titles of the two motions."""
@@ -51,8 +51,7 @@ def stop_films(folder: Path, at: float, *, rate: float, after_end: float) -> lis
     own = _own(plan, folder, stop)
     brake = BrakedJoints(plan.trajectory.motion, begins, np.array(record["deceleration_rad_s2"], dtype=float))
     ends = begins + float(stop["stops_in_s"]), begins + brake.duration
-    rules = replace(plan.scene.motion, end="residual", residual_fraction=float(record["residual_fraction"]))
-    shown = replace(plan, scene=replace(plan.scene, motion=rules))
+    shown = replace(plan, scene=scene_to_rest(plan.scene, float(record["residual_fraction"])))
     length = max(ends) + after_end
     return [
         _film(shown, motion, end, name, rate, length)
