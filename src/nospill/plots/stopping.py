@@ -39,7 +39,8 @@ def stops_figure(found: Stops) -> Figure:
         own = [item for item in found.controller if item.kind == kind]
         times = [item.t for item in own]
         above.plot(times, [item.duration for item in own], color=colour, linewidth=1.0, label=name)
-        uses = [_MOST if np.isinf(item.spill) else min(max(item.uses.values(), default=1.0), _MOST) for item in own]
+        none = [_MOST if np.isinf(item.spill) else 1.0 for item in own]
+        uses = [min(max(item.uses.values(), default=use), _MOST) for item, use in zip(own, none, strict=True)]
         below.plot(times, [100 * use for use in uses], color=colour, linewidth=1.0)
     below.axhline(100.0, color=BLUE, linewidth=1.0)
     above.set_ylabel("until it stands [s]")
