@@ -24,8 +24,10 @@ from nospill.potential_flow.flow_along import FlowAlong
 from nospill.scenario import read_scenario
 from nospill.scene.cargo import Cargo
 from nospill.scene.heights import HeightOrder, by_nonlinear_flow
+from nospill.scene.perturbation import Perturbation, perturbed
 from nospill.scene.scene import Scene
 from nospill.scene.swing import Swing
+from nospill.scene.variants import liquid_offsets
 from nospill.stopping.solving import stopping_scene
 from tests.waters import cup, tub
 
@@ -126,6 +128,25 @@ def test_the_flow_goes_on_from_where_a_motion_is(judged: tuple[Scene, Judgement,
             np.testing.assert_allclose(heights, expected, atol=6e-3 * most)  # steps begin at other instants
             high = expected > 0.8 * most
             assert np.all(heights[high] >= expected[high])
+
+
+def test_the_flow_of_a_liquid_whose_numbers_are_off_goes_on_too(smooth_motion: Callable):
+    """A stop of a plan with ranges of fill and damping: each corner from the state that its own flow has left."""
+    ranges = {"tolerance.liquid_height": 0.002, "tolerance.damping": [0.5, 2.0]}
+    scene = read_scenario("mixed-tray").changed({**ranges, "motion.slosh_height": "nonlinear"})
+    record = at_speed(smooth_motion("mixed-tray").trajectory, 0.8)
+    (state,) = states_of(record, scene, [0.4 * record.end_time])
+    later = stopping_scene(scene, state)
+    offsets = liquid_offsets(scene.cargo[0])
+    assert len(offsets) > 3
+    for offset in offsets:
+        by = Perturbation(liquid_height=offset.liquid_height, damping=offset.damping)
+        whole, rest = (replace(own, cargo=(perturbed(own.cargo[0], by, fidelity="full"),)) for own in (scene, later))
+        assert by_nonlinear_flow(rest.cargo[0], "nonlinear")
+        played, after = replay(record, whole), replay(state.rest, rest)
+        (found,), (crests,) = crests_by_flow(rest, after).values(), crests_by_flow(whole, played).values()
+        expected = np.interp(after.t + state.t, played.t, crests)
+        np.testing.assert_allclose(found, expected, atol=6e-3 * np.max(crests))
 
 
 def test_a_swing_whose_flow_nobody_has_followed_is_judged_to_the_second_order(

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nospill.potential_flow.basin import SAME_WAVE, Basin
+from nospill.potential_flow.basin import Basin
+from nospill.potential_flow.driven import height_gains
 from nospill.potential_flow.integration import STEP_ANGLE, rows_at
 from nospill.potential_flow.orders import LinearTerms, first_order, linear_terms
 from nospill.potential_flow.solving import linear_flow
@@ -81,18 +82,7 @@ def _start(cargo: Cargo, terms: LinearTerms, row: np.ndarray) -> np.ndarray:
     filling = cargo.filling
     if filling is None or filling.initial_swing is None:
         return state
-    height, rate = np.zeros(state.shape[1]), np.zeros(state.shape[1])
-    displaced, moving = coordinates(filling.initial_swing, filling.oscillators)
-    modes, column = terms.basin.modes, 0
-    for mode in filling.oscillators:
-        for direction in mode.directions:
-            near = np.isclose(modes.wave_number, mode.wave_number, rtol=SAME_WAVE)
-            share = np.ones(state.shape[1]) if mode.yaws else np.abs(terms.place[:, "xy".index(direction)])
-            if np.any(near):
-                index = int(np.argmax(np.where(near, share, -1.0)))
-                height[index] += mode.surface_gain * displaced[column]
-                rate[index] += mode.surface_gain * moving[column]
-            column += 1
-    state[0] = height
+    gains = height_gains(filling.oscillators, terms.basin)
+    state[0], rate = coordinates(filling.initial_swing, filling.oscillators) @ gains.T
     state[1] = (rate - first_order(terms, state, np.r_[row[:3], np.zeros(6)])[0]) / terms.stiffness
     return state
