@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from nospill.certification import by_flow
-from nospill.certification.by_flow import Left, crests_by_flow, doubted_flows, left_by_flow
+from nospill.certification.by_flow import Left, crests_by_flow, doubted_flows, left_by_flow, steep_flows
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.height_order import flow_note, height_note, height_orders
 from nospill.certification.replay import replay
@@ -268,6 +268,18 @@ def test_a_flow_is_in_doubt_where_the_second_opinion_doubts_it(
     said = {item.subject: item.text for item in plan_warnings(scene, judgement, {}) if item.name == "flow in doubt"}
     assert said.keys() == {"cup", "mug", "box"} and said["cup"].startswith(doubt)
     assert "judges its height after the end is no verdict" in said["cup"]
+
+
+def test_slopes_alone_doubt_the_flows_that_are_steep(
+    judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, played = judged[0].changed({"motion.slosh_height": "nonlinear"}), judged[2].replay
+    assert steep_flows(scene, played) == {}
+    monkeypatch.setattr(crests, "TRUSTED", 0.0)
+    assert steep_flows(scene, played) == {}  # what fewer modes say is another sign
+    monkeypatch.setattr(crests, "STEEPEST", 0.1)
+    assert steep_flows(scene, played) == doubted_flows(scene, played) != {}
+    assert steep_flows(judged[0], played) == {}  # crests of second order
 
 
 def test_a_motion_is_followed_once(judged: tuple[Scene, Judgement, Judgement], monkeypatch: pytest.MonkeyPatch) -> None:

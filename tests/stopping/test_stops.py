@@ -67,6 +67,13 @@ def test_plan_until_then_and_stop_after_it_are_certified_as_one_motion_from_rest
         assert not [row.label for row in certificate.rows if not row.ok and row.constraint not in end]
 
 
+def test_a_flow_in_doubt_is_said_with_its_liquid(found: Stops) -> None:
+    assert found.doubt is None  # of second order
+    doubted = replace(found, stops=(*found.stops[:-1], replace(found.stops[-1], doubted=("c1",))))
+    assert (doubted.doubt or "").startswith("in 1 of 3 stops the flow that judges c1 is in doubt: its surface is steep")
+    assert [entry["flow_in_doubt"] for entry in doubted.to_dict()["stops"]] == [[], [], ["c1"]]
+
+
 def test_braked_joints_stop_as_their_closed_form_says() -> None:
     t = np.linspace(0.0, 1.0, 101)
     before = QUINTIC_SPLINE.motion(JointSamples(t, np.column_stack([0.4 * t**3, -0.2 * t**3])))

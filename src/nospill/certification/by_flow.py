@@ -210,6 +210,20 @@ def doubted_flows(scene: Scene, played: Replay) -> dict[str, str]:
     return found
 
 
+def steep_flows(scene: Scene, played: Replay) -> dict[str, str]:
+    """The same by slopes of the surface alone, which the judge's own flow has: without one of fewer modes beside it."""
+    followed = _followed(scene, scene.motion.slosh_height)
+    if not followed:
+        return {}
+    flows, found = _flows_along(tuple(_Itself(cargo) for cargo, _ in followed), _Itself(played), len(played.t) - 1), {}
+    for (cargo, _), flow in zip(followed, flows, strict=True):
+        t = played.t[0] + flow.step * np.arange(len(flow.states))
+        doubt = doubt_of(None, t, largest_slopes(flow_terms(cargo).basin, flow.states), 0.0)
+        if flow.breaks_at is None and doubt is not None:
+            found[cargo.name] = doubt
+    return found
+
+
 def _followed(scene: Scene, order: HeightOrder) -> list[tuple[Cargo, slice]]:
     """The objects whose height of this order the flow judges, with the places of their slosh coordinates."""
     pairs = zip(scene.cargo, structure_of(scene).slosh_slices, strict=True)

@@ -214,7 +214,7 @@ def linear_heights_line(rows: Iterable[Row], order: HeightOrder = "second order"
     found = ", ".join(f"{label} {' '.join(heights)}" for label, heights in [*linear.items()][:_NAMED])
     more = f" and {len(linear) - _NAMED} more" if len(linear) > _NAMED else ""
     after = ", residual heights linear" if left.intersection(linear) else ""
-    are = "by the nonlinear flow where it is known" if order == "nonlinear" else "of second order"
+    are = "of second order" + (", or of the nonlinear flow where that is higher" if order == "nonlinear" else "")
     return f"slosh heights are {are}{after}; linear: {found}{more}" if linear else ""
 
 

@@ -145,5 +145,6 @@ def _print(found: Stops) -> None:
         f"spill-free stops sooner than the rest of the plan: {100 * found.solved:.0f} % of the instants; from one to "
         f"two thirds of the motion they take {100 * found.part_left:.0f} % of it (median), "
         f"{found.over_bound:.2g} times the bound below which no motion stops.",
+        *([] if found.doubt is None else [found.doubt]),
         "They are motions, and no safety function.",
     )

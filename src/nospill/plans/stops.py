@@ -45,6 +45,8 @@ class Stop:
         trajectory: its samples, on a clock that begins with it.
         seconds: what finding and judging it took, s.
         bound: in what time no motion from there comes to rest.
+        doubted: liquids whose nonlinear flow, which judges their crests, is in doubt in this stop: its surface is
+            steeper than 45 deg, where standing waves break. Of what is left of the plan its own warnings say so.
     """
 
     t: float
@@ -56,6 +58,7 @@ class Stop:
     trajectory: Trajectory = field(repr=False)
     seconds: float
     bound: Bound
+    doubted: tuple[str, ...] = ()
 
     @property
     def is_sooner(self) -> bool:
@@ -142,6 +145,18 @@ class Stops:
         return float(np.median([stop.duration / max(stop.bound.duration, 1e-9) for stop in self._middle]))
 
     @property
+    def doubt(self) -> str | None:
+        """Of which liquids in how many stops the nonlinear flow is in doubt, as a sentence; None where of none."""
+        doubted = [stop for stop in self.stops if stop.doubted]
+        if not doubted:
+            return None
+        names = sorted({name for stop in doubted for name in stop.doubted})
+        return (
+            f"in {len(doubted)} of {len(self.stops)} stops the flow that judges {', '.join(names)} is in doubt: its "
+            "surface is steeper than 45 deg, where standing waves break; a smaller max_slosh_height keeps below that"
+        )
+
+    @property
     def longest(self) -> Stop:
         """The stop that takes longest."""
         return max(self.stops, key=lambda stop: stop.duration)
@@ -174,6 +189,7 @@ class Stops:
                     "bound_by": stop.bound.by,
                     "origin": stop.origin,
                     "nearest": stop.nearest,
+                    "flow_in_doubt": list(stop.doubted),
                     "file": file_of(stop) if stop.is_sooner else None,
                 }
                 for stop in self.stops

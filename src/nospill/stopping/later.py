@@ -47,4 +47,5 @@ def sooner_by_waiting(
         origin="later",
         nearest=describe(verdict.judgement.certificate.worst),
         trajectory=verdict.record,
+        doubted=verdict.doubted,
     )

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nospill.certification.after_end import free_heights, residual_height
+from nospill.certification.by_flow import steep_flows
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.replay import Replay
 from nospill.certification.verdict import Certificate, Row
@@ -72,6 +73,8 @@ class Recovery:
     def text(self) -> str:
         """What it does, in words: "recovering: c1 2.1 mm too high, until 0.312 s"."""
         further = ["by the whole physics an object moves"] if self.moves else []
+        if self.stop.doubted:
+            further.append(f"the flow that judges {', '.join(self.stop.doubted)} is in doubt")
         if not (self.excess or self.broken):
             return "; ".join(["certified", *further])
         if self.stop.origin == "rest of the plan":
@@ -203,7 +206,18 @@ def _rest_of_plan(plan: Plan, state: MotionState, residual: float) -> Recovery:
     scene, left = stopping_scene(plan.scene, state, residual), plan.duration - state.t
     judgement = judge_motion(state.rest, scene)
     nearest = describe(judgement.certificate.worst)
-    stop = Stop(state.t, left, left, float(state.rest.s[-1]), "rest of the plan", nearest, state.rest, 0.0, NO_BOUND)
+    stop = Stop(
+        t=state.t,
+        duration=left,
+        left=left,
+        end=float(state.rest.s[-1]),
+        origin="rest of the plan",
+        nearest=nearest,
+        trajectory=state.rest,
+        seconds=0.0,
+        bound=NO_BOUND,
+        doubted=tuple(steep_flows(scene, judgement.replay)),
+    )
     return _told(stop, scene, judgement, moves=not stays(state.rest, scene))
 
 

@@ -348,6 +348,7 @@ def _certified(
                 trajectory=record,
                 seconds=0.0,
                 bound=NO_BOUND,
+                doubted=verdict.doubted,
             )
             fidelity = active.scene.fidelity
             return Found(stop, solution, dict(active.backoff), dict(active.margins), fidelity, verdict.stays)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nospill.certification.by_flow import steep_flows
 from nospill.certification.certificate import Judgement, judge_first, judge_motion, judge_roughly
 from nospill.certification.tracks import judged_tracks
 from nospill.certification.verdict import Row, Trace, worst_row
@@ -38,12 +39,14 @@ class Verdict:
         judgement: from its first instant on, on its own clock; its replay begins with what was judged.
         at_splice: use of the limits that plan and stop together break where the stop takes over.
         stays: whether objects stay by the whole physics, where every row holds.
+        doubted: liquids whose flow is in doubt, steeper than waves that stand, where every row holds.
     """
 
     record: Trajectory
     judgement: Judgement
     at_splice: dict[RowId, float]
     stays: bool
+    doubted: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -110,7 +113,8 @@ class _Played:
         tracks = judged_tracks(self.record, self.scene, whole.replay, whole.traces)
         slosh = rest_of(replace(self.record, slosh=tracks), self.wait).slosh
         kept = whole.certificate.ok and stays(self.record, self.scene, motion=self.motion, since=self.wait)
-        return replace(self.verdict(whole), record=replace(self.stop, slosh=slosh), stays=kept)
+        record, doubted = replace(self.stop, slosh=slosh), tuple(steep_flows(self.scene, whole.replay))
+        return replace(self.verdict(whole), record=record, stays=kept, doubted=doubted)
 
     def verdict(self, judgement: Judgement) -> Verdict:
         """What a judgement says of the stop, of which it does not say that it stays."""
