@@ -1,4 +1,4 @@
-"""How often the fine grid is tried again where the first barrier does not lead there."""
+"""How often the fine grid is tried again where the first barrier does not lead there, and which barrier that is."""
 
 from __future__ import annotations
 
@@ -31,3 +31,19 @@ def test_on_planes_only_the_least_barrier_is_tried(
     monkeypatch.setattr(refinement, "solved", solved)
     assert refinement._refine(candidate, 100, (), Log(None, 60.0)) is None
     assert tuple(tried) == expected
+
+
+def test_from_the_optimum_of_other_rows_a_larger_barrier_comes_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[dict[str, float]] = []
+
+    def solved(active: object, start: object, log: Log, options: dict[str, float], *, tightens: bool) -> Any:
+        assert tightens and options["max_iterations"] == refinement.REFINE_ITERATIONS
+        tried.append(options)
+        return SimpleNamespace(has_converged=False)
+
+    monkeypatch.setattr(refinement, "solved", solved)
+    nothing: Any = SimpleNamespace()
+    assert refinement.solve_from(nothing, nothing, Log(None, 60.0)) is None
+    least, larger, largest = BARRIERS
+    assert [options.get("barrier_start") for options in tried] == [larger, least, largest, None]
+    assert tried[0]["bound_push"] > tried[1]["bound_push"]  # it is moved off the bounds that it stands on

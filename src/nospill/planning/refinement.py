@@ -26,7 +26,15 @@ from nospill.transcription.passages import bounded_as
 from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.sensitivity import saving_of
 from nospill.transcription.solvers import usable
-from nospill.transcription.solvers.options import BARRIERS, LAST_BARRIER, near_adapted, near_optimum
+from nospill.transcription.solvers.options import (
+    BARRIERS,
+    LAST_BARRIER,
+    NEAR_OPTIMUM,
+    OF_OTHER_ROWS,
+    Options,
+    near_adapted,
+    near_optimum,
+)
 from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import slow_enough
 from nospill.transcription.trajectory_start import from_trajectory
@@ -84,7 +92,7 @@ def _with_modes(coarse: Candidate, rows: Collection[RowId], log: Log) -> Candida
             active = after.with_rows(after.rows.union(rows))
             if active.refined:
                 start = _smoothed(coarse, active, log) or judged.trajectory
-                return _solve_near_optimum(active, start_from(active, start, log, coarse.stages), BARRIERS, log)
+                return _solve_near_optimum(active, start_from(active, start, log, coarse.stages), OF_OTHER_ROWS, log)
     return None
 
 
@@ -103,18 +111,18 @@ def _refine(candidate: Candidate, intervals: int, rows: Collection[RowId], log: 
     """The motion on another grid with some rows; None where no first barrier (on planes, the least) leads there."""
     active = candidate.active.with_rows(rows)
     start = on_grid(active.scene, candidate.stages, intervals, active.task.passage.along)
-    return _solve_near_optimum(active, start, BARRIERS[:1] if active.task.leads_past else BARRIERS, log)
+    return _solve_near_optimum(active, start, NEAR_OPTIMUM[:1] if active.task.leads_past else NEAR_OPTIMUM, log)
 
 
 def _solve_near_optimum(
-    active: ActiveSet, start: Stages, barriers: Sequence[float | None], log: Log, *, tightens: bool = False
+    active: ActiveSet, start: Stages, tries: Sequence[Options], log: Log, *, tightens: bool = False
 ) -> Candidate | None:
-    """The first converged answer from a start that is nearly optimal, with one first barrier after the other."""
-    for barrier in barriers:
+    """The first converged answer from a start that is nearly optimal, with one choice of options after the other."""
+    for options in tries:
         if log.out_of_time:
             break
-        options = {"max_iterations": REFINE_ITERATIONS} if barrier is None else near_optimum(barrier, REFINE_ITERATIONS)
-        candidate = solved(active, start, log, options, tightens=tightens)
+        most = {"max_iterations": REFINE_ITERATIONS}
+        candidate = solved(active, start, log, {**options, **most}, tightens=tightens)
         if candidate.has_converged:
             return candidate
     return None
@@ -161,7 +169,7 @@ def _by_smoothness(judged: Judged, log: Log) -> Judged:
     if smooth is not active:
         with suppress(NoSolutionError):
             start = start_from(smooth, judged.trajectory, log, judged.candidate.stages)
-            again = solve_from(smooth, start, log, BARRIERS[:1])
+            again = solve_from(smooth, start, log, OF_OTHER_ROWS[:1])
             refined = again and _refine_until_certified(again, log)
             if refined and refined.judgement.certificate.ok:
                 return refined
@@ -199,7 +207,7 @@ def _lightened(judged: Judged, log: Log) -> Judged:
                 again = _tighten(judged.candidate, lighter, log)
             else:
                 start = start_from(lighter, judged.trajectory, log, judged.candidate.stages)
-                again = solve_from(lighter, start, log, BARRIERS[:1])
+                again = solve_from(lighter, start, log, NEAR_OPTIMUM[:1])
             refined = again and _refine_until_certified(again, log, below=end)
         if refined is None or not refined.judgement.certificate.ok or refined.trajectory.end_time >= end:
             return judged
@@ -244,10 +252,10 @@ def _refine_until_certified(
         else:
             grown, tightened = grown + 1, 0
             start = start_from(active, judged.trajectory, log, before.stages)
-            better = solve_from(active, start, log, BARRIERS[:1])
+            better = solve_from(active, start, log, OF_OTHER_ROWS[:1])
             if better is None:  # far from any answer: from a motion slow enough to keep the rows
                 slow = slow_enough(problem_about(active, start), start, _SLOWEST)
-                better = solve_from(active, slow, log, (None, *BARRIERS[1:]))
+                better = solve_from(active, slow, log, ({}, *NEAR_OPTIMUM[1:]))
             if better is None:
                 if active.members == before.active.members:
                     break
@@ -327,13 +335,13 @@ def start_from(active: ActiveSet, trajectory: Trajectory, log: Log, last: Stages
 
 
 def solve_from(
-    active: ActiveSet, start: Stages, log: Log, barriers: Sequence[float | None] = (*BARRIERS, None)
+    active: ActiveSet, start: Stages, log: Log, tries: Sequence[Options] = (*OF_OTHER_ROWS, {})
 ) -> Candidate | None:
-    """A motion solved on its grid with what is active; None where no first barrier leads anywhere.
+    """A motion solved on its grid with what is active; None where no choice of options leads anywhere.
 
     Where the arm leaves its branch, it is solved again with the determinant bounded.
     """
-    found = _solve_near_optimum(active, start, barriers, log, tightens=True)
+    found = _solve_near_optimum(active, start, tries, log, tightens=True)
     kept = found is None or found.keeps_branch or active.task.passage.determinant is not None
     return found if kept else _off_singularities(active, start, log)
 
@@ -342,4 +350,4 @@ def _off_singularities(active: ActiveSet, start: Stages, log: Log) -> Candidate 
     """A motion solved from a start with the determinant bounded as there; None where it is, or that leads nowhere."""
     passage = bounded_as(active.task.passage, active.scene, start)
     bounded = passage and replace(active, task=replace(active.task, passage=passage))
-    return bounded and _solve_near_optimum(bounded, start, (*BARRIERS, None), log, tightens=True)
+    return bounded and _solve_near_optimum(bounded, start, (*NEAR_OPTIMUM, {}), log, tightens=True)

@@ -22,7 +22,7 @@ def ipopt_settings(problem: Problem, options: SolveOptions) -> dict[str, Any]:
         "ipopt.max_wall_time": options.max_time,
         "ipopt.tol": options.tolerances.stationarity,
         "ipopt.constr_viol_tol": options.tolerances.violation,
-        "ipopt.compl_inf_tol": options.tolerances.complementarity,
+        "ipopt.compl_inf_tol": options.complementarity or options.tolerances.complementarity,
         "ipopt.residual_ratio_max": options.tolerances.linear_system,
         "ipopt.min_refinement_steps": options.tolerances.refinements,
         "ipopt.acceptable_tol": 1e-4,

@@ -20,7 +20,7 @@ LAST_BARRIER = 1e-6
 """Barrier parameter of a problem that is solved warm, with other back-off."""
 
 _BARRIER_ERROR = 10.0
-_NO_PUSH = 1e-6
+_NO_PUSH, _LITTLE_PUSH = 1e-6, 1e-5
 
 FROM_AFAR: Options = MappingProxyType({"barrier_start": 1e-3, "barrier_error": 100.0})
 """From a start that is far from the optimum: barrier problems are left as soon as they are met roughly."""
@@ -69,6 +69,7 @@ class SolveOptions:
             None: adapted from iteration to iteration.
         barrier_error: error of a barrier problem, over its parameter, at which the parameter goes down.
         least_barrier: the barrier parameter is not adapted to less; None: left to the solver.
+        complementarity: in the place of that of the tolerances, where it is given.
         bound_push: scaled distance that the start is moved off its bounds, small where the start is nearly optimal; a
             start that breaks some of them needs more, or each step ends at the next bound. None: left to the solver.
         progress: called at every iteration.
@@ -81,19 +82,29 @@ class SolveOptions:
     barrier_start: float | None = None
     barrier_error: float = _BARRIER_ERROR
     least_barrier: float | None = None
+    complementarity: float | None = None
     bound_push: float | None = None
     progress: IterationCallback | None = None
 
 
-def near_optimum(barrier: float, iterations: int | None = None) -> Options:
+def near_optimum(barrier: float, iterations: int | None = None, push: float = _NO_PUSH) -> Options:
     """Options of a solve whose start is nearly optimal: a small first barrier, and no push off the bounds.
 
     Args:
         barrier: first barrier parameter.
         iterations: most of them; left as they are when left out.
+        push: off the bounds, scaled.
     """
     most = {} if iterations is None else {"max_iterations": iterations}
-    return {"barrier_start": barrier, "barrier_error": _BARRIER_ERROR, "bound_push": _NO_PUSH, **most}
+    return {"barrier_start": barrier, "barrier_error": _BARRIER_ERROR, "bound_push": push, **most}
+
+
+NEAR_OPTIMUM = tuple(near_optimum(barrier) for barrier in BARRIERS)
+"""What is tried, one after the other, from a start that is nearly optimal."""
+_OTHER_ROWS: Options = {**near_optimum(BARRIERS[1], push=_LITTLE_PUSH), "complementarity": 5e-7}
+OF_OTHER_ROWS = (MappingProxyType(_OTHER_ROWS), NEAR_OPTIMUM[0], NEAR_OPTIMUM[2])
+"""The same from the optimum of a problem that had other rows: it breaks some, and with the least barrier each step ends
+at the next bound. The barrier falls as low as from there."""
 
 
 def near_adapted(iterations: int) -> Options:
