@@ -33,7 +33,10 @@ def test_on_planes_only_the_least_barrier_is_tried(
     assert tuple(tried) == expected
 
 
-def test_from_the_optimum_of_other_rows_a_larger_barrier_comes_first(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("leaves_path", [False, True])
+def test_from_the_optimum_of_other_rows_a_larger_barrier_comes_first(
+    monkeypatch: pytest.MonkeyPatch, leaves_path: bool
+) -> None:
     tried: list[dict[str, float]] = []
 
     def solved(active: object, start: object, log: Log, options: dict[str, float], *, tightens: bool) -> Any:
@@ -42,8 +45,12 @@ def test_from_the_optimum_of_other_rows_a_larger_barrier_comes_first(monkeypatch
         return SimpleNamespace(has_converged=False)
 
     monkeypatch.setattr(refinement, "solved", solved)
-    nothing: Any = SimpleNamespace()
-    assert refinement.solve_from(nothing, nothing, Log(None, 60.0)) is None
+    scene = SimpleNamespace(motion=SimpleNamespace(leaves_path=leaves_path))
+    active: Any = SimpleNamespace(task=SimpleNamespace(scene=scene))
+    nothing: Any = None
+    assert refinement.solve_from(active, nothing, Log(None, 60.0)) is None
     least, larger, largest = BARRIERS
-    assert [options.get("barrier_start") for options in tried] == [larger, least, largest, None]
-    assert tried[0]["bound_push"] > tried[1]["bound_push"]  # it is moved off the bounds that it stands on
+    barriers = [options.get("barrier_start") for options in tried]
+    assert barriers == [*(BARRIERS if leaves_path else (larger, least, largest)), None]
+    if not leaves_path:
+        assert tried[0]["bound_push"] > tried[1]["bound_push"]  # it is moved off the bounds that it stands on

@@ -92,7 +92,9 @@ def _with_modes(coarse: Candidate, rows: Collection[RowId], log: Log) -> Candida
             active = after.with_rows(after.rows.union(rows))
             if active.refined:
                 start = _smoothed(coarse, active, log) or judged.trajectory
-                return _solve_near_optimum(active, start_from(active, start, log, coarse.stages), OF_OTHER_ROWS, log)
+                return _solve_near_optimum(
+                    active, start_from(active, start, log, coarse.stages), _of_other_rows(active), log
+                )
     return None
 
 
@@ -169,7 +171,7 @@ def _by_smoothness(judged: Judged, log: Log) -> Judged:
     if smooth is not active:
         with suppress(NoSolutionError):
             start = start_from(smooth, judged.trajectory, log, judged.candidate.stages)
-            again = solve_from(smooth, start, log, OF_OTHER_ROWS[:1])
+            again = solve_from(smooth, start, log, _of_other_rows(smooth)[:1])
             refined = again and _refine_until_certified(again, log)
             if refined and refined.judgement.certificate.ok:
                 return refined
@@ -252,7 +254,7 @@ def _refine_until_certified(
         else:
             grown, tightened = grown + 1, 0
             start = start_from(active, judged.trajectory, log, before.stages)
-            better = solve_from(active, start, log, OF_OTHER_ROWS[:1])
+            better = solve_from(active, start, log, _of_other_rows(active)[:1])
             if better is None:  # far from any answer: from a motion slow enough to keep the rows
                 slow = slow_enough(problem_about(active, start), start, _SLOWEST)
                 better = solve_from(active, slow, log, ({}, *NEAR_OPTIMUM[1:]))
@@ -326,6 +328,11 @@ def _tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = T
     return again if usable(again.solution) else None
 
 
+def _of_other_rows(active: ActiveSet) -> Sequence[Options]:
+    """What is tried from the optimum of a problem that had other rows; off the path the least barrier comes first."""
+    return NEAR_OPTIMUM if active.task.scene.motion.leaves_path else OF_OTHER_ROWS
+
+
 def start_from(active: ActiveSet, trajectory: Trajectory, log: Log, last: Stages | None = None) -> Stages:
     """A motion as a start on the fine grid; the redundant joint is counted as in the last answer, as its bounds are."""
     with log.phase("corners"):
@@ -334,13 +341,12 @@ def start_from(active: ActiveSet, trajectory: Trajectory, log: Log, last: Stages
         return from_trajectory(active.scene, moved, intervals, last.self_motion if last else None)
 
 
-def solve_from(
-    active: ActiveSet, start: Stages, log: Log, tries: Sequence[Options] = (*OF_OTHER_ROWS, {})
-) -> Candidate | None:
+def solve_from(active: ActiveSet, start: Stages, log: Log, tries: Sequence[Options] | None = None) -> Candidate | None:
     """A motion solved on its grid with what is active; None where no choice of options leads anywhere.
 
     Where the arm leaves its branch, it is solved again with the determinant bounded.
     """
+    tries = (*_of_other_rows(active), {}) if tries is None else tries
     found = _solve_near_optimum(active, start, tries, log, tightens=True)
     kept = found is None or found.keeps_branch or active.task.passage.determinant is not None
     return found if kept else _off_singularities(active, start, log)
