@@ -33,10 +33,13 @@ def test_on_planes_only_the_least_barrier_is_tried(
     assert tuple(tried) == expected
 
 
-@pytest.mark.parametrize("leaves_path", [False, True])
-def test_from_the_optimum_of_other_rows_a_larger_barrier_comes_first(
-    monkeypatch: pytest.MonkeyPatch, leaves_path: bool
+@pytest.mark.parametrize(
+    ("leaves_path", "slack", "larger_first"), [(False, -2.0, True), (False, -0.6, False), (True, -2.0, False)]
+)
+def test_from_a_start_that_breaks_a_row_by_its_budget_a_larger_barrier_comes_first(
+    monkeypatch: pytest.MonkeyPatch, leaves_path: bool, slack: float, larger_first: bool
 ) -> None:
+    """Off its path the tray's place is held by little, and a larger barrier leads away from it."""
     tried: list[dict[str, float]] = []
 
     def solved(active: object, start: object, log: Log, options: dict[str, float], *, tightens: bool) -> Any:
@@ -45,12 +48,14 @@ def test_from_the_optimum_of_other_rows_a_larger_barrier_comes_first(
         return SimpleNamespace(has_converged=False)
 
     monkeypatch.setattr(refinement, "solved", solved)
+    monkeypatch.setattr(refinement, "problem_about", lambda *_: None)
+    monkeypatch.setattr(refinement, "row_slack", lambda *_: {"residual height | c1": slack, "slip | c1": 0.3})
     scene = SimpleNamespace(motion=SimpleNamespace(leaves_path=leaves_path))
     active: Any = SimpleNamespace(task=SimpleNamespace(scene=scene))
     nothing: Any = None
     assert refinement.solve_from(active, nothing, Log(None, 60.0)) is None
     least, larger, largest = BARRIERS
     barriers = [options.get("barrier_start") for options in tried]
-    assert barriers == [*(BARRIERS if leaves_path else (larger, least, largest)), None]
-    if not leaves_path:
+    assert barriers == [*((larger, least, largest) if larger_first else BARRIERS), None]
+    if larger_first:
         assert tried[0]["bound_push"] > tried[1]["bound_push"]  # it is moved off the bounds that it stands on

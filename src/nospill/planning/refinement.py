@@ -25,7 +25,7 @@ from nospill.transcription.export_samples import on_grid
 from nospill.transcription.passages import bounded_as
 from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.sensitivity import saving_of
-from nospill.transcription.solvers import usable
+from nospill.transcription.solvers import row_slack, usable
 from nospill.transcription.solvers.options import (
     BARRIERS,
     LAST_BARRIER,
@@ -40,6 +40,8 @@ from nospill.transcription.time_scaling import slow_enough
 from nospill.transcription.trajectory_start import from_trajectory
 
 REFINE_ITERATIONS = 150
+_BREAKS = 1.0
+"""Part of its budget by which a start is over a row and no longer near the optimum."""
 _TIGHTEN_ITERATIONS = 100
 _ADAPTED_ITERATIONS = 60
 """With a barrier that is adapted: where it leads to an answer it takes half of that, else one that goes down does."""
@@ -92,9 +94,8 @@ def _with_modes(coarse: Candidate, rows: Collection[RowId], log: Log) -> Candida
             active = after.with_rows(after.rows.union(rows))
             if active.refined:
                 start = _smoothed(coarse, active, log) or judged.trajectory
-                return _solve_near_optimum(
-                    active, start_from(active, start, log, coarse.stages), _of_other_rows(active), log
-                )
+                begun = start_from(active, start, log, coarse.stages)
+                return _solve_near_optimum(active, begun, _of_other_rows(active, begun), log)
     return None
 
 
@@ -171,7 +172,7 @@ def _by_smoothness(judged: Judged, log: Log) -> Judged:
     if smooth is not active:
         with suppress(NoSolutionError):
             start = start_from(smooth, judged.trajectory, log, judged.candidate.stages)
-            again = solve_from(smooth, start, log, _of_other_rows(smooth)[:1])
+            again = solve_from(smooth, start, log, _of_other_rows(smooth, start)[:1])
             refined = again and _refine_until_certified(again, log)
             if refined and refined.judgement.certificate.ok:
                 return refined
@@ -254,7 +255,7 @@ def _refine_until_certified(
         else:
             grown, tightened = grown + 1, 0
             start = start_from(active, judged.trajectory, log, before.stages)
-            better = solve_from(active, start, log, _of_other_rows(active)[:1])
+            better = solve_from(active, start, log, _of_other_rows(active, start)[:1])
             if better is None:  # far from any answer: from a motion slow enough to keep the rows
                 slow = slow_enough(problem_about(active, start), start, _SLOWEST)
                 better = solve_from(active, slow, log, ({}, *NEAR_OPTIMUM[1:]))
@@ -328,9 +329,15 @@ def _tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = T
     return again if usable(again.solution) else None
 
 
-def _of_other_rows(active: ActiveSet) -> Sequence[Options]:
-    """What is tried from the optimum of a problem that had other rows; off the path the least barrier comes first."""
-    return NEAR_OPTIMUM if active.task.scene.motion.leaves_path else OF_OTHER_ROWS
+def _of_other_rows(active: ActiveSet, start: Stages) -> Sequence[Options]:
+    """What is tried from the optimum of a problem that had other rows, by how far it breaks those of this one.
+
+    Where the tray may leave its path it is nearly optimal all the same: a larger barrier leads away from its place.
+    """
+    if active.task.scene.motion.leaves_path:
+        return NEAR_OPTIMUM
+    slack = row_slack(problem_about(active, start), start)
+    return OF_OTHER_ROWS if min(slack.values(), default=0.0) < -_BREAKS else NEAR_OPTIMUM
 
 
 def start_from(active: ActiveSet, trajectory: Trajectory, log: Log, last: Stages | None = None) -> Stages:
@@ -346,7 +353,7 @@ def solve_from(active: ActiveSet, start: Stages, log: Log, tries: Sequence[Optio
 
     Where the arm leaves its branch, it is solved again with the determinant bounded.
     """
-    tries = (*_of_other_rows(active), {}) if tries is None else tries
+    tries = (*_of_other_rows(active, start), {}) if tries is None else tries
     found = _solve_near_optimum(active, start, tries, log, tightens=True)
     kept = found is None or found.keeps_branch or active.task.passage.determinant is not None
     return found if kept else _off_singularities(active, start, log)
