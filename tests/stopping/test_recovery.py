@@ -79,6 +79,8 @@ def test_a_stop_in_which_an_object_moves_says_so(plan: Plan, monkeypatch: pytest
     found = ns.recover(plan, plan.state_at(AT))
     assert found.moves and found.certificate.ok
     assert found.text == "certified; by the whole physics an object moves"
+    steep = replace(found, stop=replace(found.stop, doubted=("c1", "c2")))
+    assert steep.text == f"{found.text}; the flow that judges c1, c2 is in doubt"
 
 
 def test_where_no_stop_is_found_what_is_left_of_the_plan_is_the_answer(

@@ -332,7 +332,8 @@ def _tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = T
 def _of_other_rows(active: ActiveSet, start: Stages) -> Sequence[Options]:
     """What is tried from the optimum of a problem that had other rows, by how far it breaks those of this one.
 
-    Where the tray may leave its path it is nearly optimal all the same: a larger barrier leads away from its place.
+    Where the tray may leave its path the least barrier comes first all the same: little but the weights of the jerks
+    holds the tray beside its path, and a larger barrier leads it away.
     """
     if active.task.scene.motion.leaves_path:
         return NEAR_OPTIMUM

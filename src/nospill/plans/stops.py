@@ -153,7 +153,7 @@ class Stops:
         names = sorted({name for stop in doubted for name in stop.doubted})
         return (
             f"in {len(doubted)} of {len(self.stops)} stops the flow that judges {', '.join(names)} is in doubt: its "
-            "surface is steeper than 45 deg, where standing waves break; a smaller max_slosh_height keeps below that"
+            "surface is steeper than 45 deg, where standing waves break; try a smaller max_slosh_height"
         )
 
     @property
