@@ -9,9 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from nospill.certification import corners
 from nospill.certification.certificate import judge_motion
-from nospill.certification.corners import _LOOKS, _at_speeds, closer, vertices
+from nospill.certification.corners import _LOOKS, _at_speeds, broken_or_corner_traces, closer, corner_traces, vertices
 from nospill.certification.other_speeds import uses_at
+from nospill.certification.replay import Replay
 from nospill.certification.tracks import variant_tracks
 from nospill.certification.verdict import Row
 from nospill.laws.constraints import BY_NAME
@@ -61,6 +63,48 @@ def test_rows_of_a_range_are_the_uses_at_its_speeds(smooth_motion: Callable) -> 
     assert 0.0 <= worst.at_s <= motion.trajectory.end_time + 1e-9  # on the planned motion's clock
     torque = [row for row in judgement.corners if row.constraint == "joint torque"]
     assert {row.variant for row in torque} <= {"90 % of the speed"}
+
+
+def test_a_first_look_ends_where_it_breaks_a_limit(smooth_motion: Callable) -> None:
+    """Of every third speed and both ends, uses as the judge finds them there."""
+    motion = smooth_motion("mixed-tray", stretch=0.8, tilt=(0.1, 0.05))
+    scene = with_range(motion.scene, 0.7)
+    whole = judge_motion(motion.trajectory, scene)
+    first = judge_motion(motion.trajectory, scene, corners=broken_or_corner_traces)
+    judged, looked_at = uses_of_variants(whole.corners), uses_of_variants(first.corners)
+    assert not whole.certificate.ok and not first.certificate.ok
+    variants = {variant for _, subject, variant in looked_at if subject == "cup"}
+    speeds = {f"{100 * speed:.4g} % of the speed" for speed in scene.motion.speeds}
+    assert {"", "70 % of the speed"} <= variants <= {"", *speeds} and len(variants) < 0.4 * len(speeds) + 3
+    assert all(use == pytest.approx(judged[row], abs=0.01 * max(1.0, use)) for row, use in looked_at.items())
+
+
+def uses_of_variants(rows: tuple[Row, ...]) -> dict[tuple[str, str, str], float]:
+    return {(row.constraint, row.subject, row.variant): row.use for row in rows}
+
+
+def test_a_motion_that_holds_is_looked_at_as_it_is_judged(smooth_motion: Callable) -> None:
+    motion = smooth_motion("mixed-tray", stretch=3.0)
+    scene = with_range(motion.scene, 0.95)
+    whole, looked_at = (
+        [(trace.id, trace.variant, trace.use) for trace in law(motion.trajectory, scene)]
+        for law in (corner_traces, broken_or_corner_traces)
+    )
+    assert [row[:2] for row in whole] == [row[:2] for row in looked_at]
+    assert all(np.array_equal(a[2], b[2]) for a, b in zip(whole, looked_at, strict=True))
+    assert max(np.max(use) for *_, use in whole) < 1.0
+
+
+def test_what_is_no_number_at_a_first_look_is_judged(smooth_motion: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
+    def diverged(*given: object, **more: object) -> tuple[Replay, ...]:
+        (played,) = coarse_replays(*given, **more)
+        return (replace(played, slosh_displacement=np.full_like(played.slosh_displacement, np.nan)),)
+
+    coarse_replays = corners.coarse_replays
+    monkeypatch.setattr(corners, "coarse_replays", diverged)
+    motion = smooth_motion("mixed-tray", stretch=3.0)
+    scene = with_range(motion.scene, 0.95)
+    assert judge_motion(motion.trajectory, scene, corners=broken_or_corner_traces).certificate.ok
 
 
 def test_liquids_of_slow_motions_start_a_problem_in_its_own_time(smooth_motion: Callable) -> None:

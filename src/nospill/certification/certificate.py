@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from nospill.certification.between_instants import peaks_between, with_peaks
 from nospill.certification.carriers import with_liquids_apart
 from nospill.certification.clearance import OTHERS, clearance_rows, clearance_traces
-from nospill.certification.corners import corner_traces
+from nospill.certification.corners import Corners, corner_traces
 from nospill.certification.plausibility import require_rate
 from nospill.certification.record_checks import (
     joint_record,
@@ -145,12 +145,13 @@ def judge_motion(
     motion: JointMotion | None = None,
     rate: float = MINIMUM_RATE,
     first: Judgement | None = None,
+    corners: Corners = corner_traces,
     over_band: OverBand = band_of,
 ) -> Judgement:
     """`judge` whatever liquids the record has: a motion under planning carries those of its problem.
 
-    With what `judge_first` has found of it already, at the usual rate, the rest is added. The rows over a band are
-    those of `band_of`, or of a law that ends where one is broken.
+    With what `judge_first` has found of it already, at the usual rate, the rest is added. The rows of variants and over
+    a band are those of `corner_traces` and `band_of`, or of laws that end where one is broken.
     """
     require_rate(rate)
     require_motion(trajectory, scene.robot)
@@ -158,7 +159,7 @@ def judge_motion(
     run = run_of(held, scene.controller, motion)
     alone = run.record is held
     points = EVERYWHERE if alone else _OF_JOINTS
-    first = first or _limits(run.record, scene, motion=run.motion, rate=rate, points=points)
+    first = first or _limits(run.record, scene, motion=run.motion, rate=rate, points=points, corners=corners)
     judged = _with_distances(first, scene)
     require_converged(judged.replay.slosh_error)
     controls = () if alone else constraint_traces(held, scene, judged.replay, points=[EvaluationPoint.CONTROL])
@@ -306,6 +307,7 @@ def _limits(
     motion: JointMotion | None,
     rate: float,
     points: Collection[EvaluationPoint],
+    corners: Corners = corner_traces,
 ) -> Judgement:
     """The rows of the constraints but for distances, with their evidence."""
     motion = motion or held.motion
@@ -314,10 +316,10 @@ def _limits(
     peaks = peaks_between(held, scene, played, traces, motion)
     at_peaks = with_liquids_apart(with_peaks(traces, peaks), held, scene, motion=motion, rate=rate)
     worst = fullest(at_peaks)
-    corners: list[Row] = []
+    of_corners: list[Row] = []
     corner_use: dict[RowId, np.ndarray] = {}
-    for trace in corner_traces(held, scene, motion=motion, rate=rate, played=played):
-        corners.append(worst_row(trace))
+    for trace in corners(held, scene, motion=motion, rate=rate, played=played):
+        of_corners.append(worst_row(trace))
         keep_fullest(worst, trace)
         if len(trace.t) > 1:
             use = np.interp(played.t, trace.t, trace.use)
@@ -332,7 +334,7 @@ def _limits(
         unjudged=scene.unjudged,
         self_collision=self_collision(scene),
     )
-    return Judgement(verdict, traces, played, held.end_time, tuple(corners), corner_use, worst)
+    return Judgement(verdict, traces, played, held.end_time, tuple(of_corners), corner_use, worst)
 
 
 def _with_distances(judged: Judgement, scene: Scene) -> Judgement:

@@ -6,13 +6,14 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 
 from nospill.certification.between_instants import peaks_between, with_peaks
 from nospill.certification.carriers import with_liquids_apart
 from nospill.certification.load_extremes import worst_load_traces
-from nospill.certification.replay import MINIMUM_RATE, Replay, replay
+from nospill.certification.replay import MINIMUM_RATE, Replay, coarse_replays, replay
 from nospill.certification.traces import constraint_traces
 from nospill.certification.verdict import Trace
 from nospill.laws.constraints.base import OF_OBJECTS, EvaluationPoint, RowId
@@ -38,6 +39,27 @@ of the parabolas through those before; and the part of a speed by which two diff
 _BROKEN = 0.05
 """Part of a limit; where one is broken by more at a speed of the grid, nothing is looked at between them."""
 
+_FIRST, _BROKEN_AT_FIRST = 3, 0.01
+"""Of so many speeds of the grid one is looked at first: the steps determine the modes that problems have. Part of a
+limit from which what is broken then is broken: uses differ by less."""
+
+
+class Corners(Protocol):
+    """`corner_traces`, or a law that ends where a limit is broken."""
+
+    def __call__(
+        self,
+        trajectory: Trajectory,
+        scene: Scene,
+        /,
+        *,
+        motion: JointMotion | None = None,
+        rate: float = MINIMUM_RATE,
+        played: Replay | None = None,
+    ) -> Iterator[Trace]:
+        """Traces of every constraint on every variant of the objects."""
+        ...
+
 
 def corner_traces(
     trajectory: Trajectory,
@@ -58,7 +80,7 @@ def corner_traces(
         rate: Hz, the least rate of the grid.
         played: the replay of the scene as stated; with it, joint torques under the worst load too.
     """
-    corners, uses = list(corner_scenes(scene)), dict[RowId, dict[float, float]]()
+    corners, uses = list(_of_outer_objects(corner_scenes(scene))), dict[RowId, dict[float, float]]()
 
     def looked_at(some: Iterable[Corner]) -> Iterator[Trace]:
         for corner in some:
@@ -71,31 +93,54 @@ def corner_traces(
     if max((max(use.values()) for use in uses.values()), default=0.0) < 1.0 + _BROKEN:
         for between in (closer, *_LOOKS * (vertices,)):
             yield from looked_at(_at_speeds(corners, uses, between))
-    if scene.motion.speeds:
-        yield from _torques(trajectory, scene, scene.motion.speeds[-1], motion, rate)
-    if is_uncertain(scene) and played is not None:
-        yield from worst_load_traces(scene, played)
+    yield from _of_loads(trajectory, scene, motion, rate, played)
 
 
-def _corner_traces(trajectory: Trajectory, corner: Corner, motion: JointMotion | None, rate: float) -> Iterator[Trace]:
-    """The traces of a corner's objects, on the clock of the planned motion; at other speeds of the outer ones."""
-    speed, scene = corner.speed, corner.scene
-    if speed == 1.0:
-        motion = motion or trajectory.motion
-        played = replay(trajectory, scene, motion=motion, rate=rate)
-        traces = constraint_traces(trajectory, scene, played, points=OF_OBJECTS)
-        traces = with_peaks(traces, peaks_between(trajectory, scene, played, traces, motion))
-        traces = with_liquids_apart(traces, trajectory, scene, motion=motion, rate=rate)
-    else:
-        scene = replace(scene, cargo=hull_objects(scene))
-        slow, played = _slow_down(trajectory, scene, speed, motion, rate)
-        traces = constraint_traces(slow, scene, played, points=OF_OBJECTS)
-        joints = None if motion is None else SlowedMotion(motion, speed)
-        traces = with_liquids_apart(traces, slow, scene, motion=joints, rate=_OF_SLOWED * rate)
-        traces = tuple(replace(trace, t=trace.t * speed) for trace in traces)
-    for trace in traces:
-        if trace.subject in corner.texts:
-            yield replace(trace, variant=corner.texts[trace.subject])
+def broken_or_corner_traces(
+    trajectory: Trajectory,
+    scene: Scene,
+    *,
+    motion: JointMotion | None = None,
+    rate: float = MINIMUM_RATE,
+    played: Replay | None = None,
+) -> Iterator[Trace]:
+    """`corner_traces` for a motion under planning: where a first look breaks a limit, what that found, else all of it.
+
+    The first look is at every third speed of the grid, with the liquids integrated once.
+    """
+    speeds = scene.motion.speeds
+    if speeds:
+        chosen, found = {1.0, *speeds[::_FIRST], speeds[-1]}, list[Trace]()
+        for corner in _of_outer_objects(corner_scenes(scene)):
+            if corner.speed in chosen:
+                found.extend(
+                    map(_fullest_instant, _corner_traces(trajectory, corner, motion, rate, _slow_down_roughly))
+                )
+        if 1.0 + _BROKEN_AT_FIRST < max((float(trace.use[0]) for trace in found), default=0.0) < math.inf:
+            yield from found
+            yield from _of_loads(trajectory, scene, motion, rate, played)
+            return
+    yield from corner_traces(trajectory, scene, motion=motion, rate=rate, played=played)
+
+
+def _fullest_instant(trace: Trace) -> Trace:
+    """The instant of a trace that uses most of its limit, as far as its row needs it: hundreds are kept."""
+    index = int(np.argmax(trace.use))
+    at = {name: getattr(trace, name)[index : index + 1] for name in ("t", "value", "limit", "margin")}
+    return replace(trace, **at, linear=None if trace.linear is None else np.max(trace.linear, keepdims=True))
+
+
+def _of_outer_objects(corners: Iterable[Corner]) -> Iterator[Corner]:
+    """Those at other speeds with the outer ones of like objects alone; the same scene for the same objects."""
+    known: dict[tuple[int, ...], Scene] = {}
+    for corner in corners:
+        if corner.speed == 1.0:
+            yield corner
+            continue
+        key = tuple(map(id, corner.scene.cargo))
+        if key not in known:
+            known[key] = replace(corner.scene, cargo=hull_objects(corner.scene))
+        yield replace(corner, scene=known[key])
 
 
 def _slow_down(
@@ -105,6 +150,51 @@ def _slow_down(
     slow = at_speed(trajectory, speed)
     joints = None if motion is None else SlowedMotion(motion, speed)
     return slow, replay(slow, scene, motion=joints, rate=_OF_SLOWED * rate)
+
+
+def _slow_down_roughly(
+    trajectory: Trajectory, scene: Scene, speed: float, motion: JointMotion | None, rate: float
+) -> tuple[Trajectory, Replay]:
+    """The same with the liquids integrated once."""
+    slow = at_speed(trajectory, speed)
+    joints = slow.motion if motion is None else SlowedMotion(motion, speed)
+    ends = float(slow.t[0]), float(slow.t[-1])
+    return slow, coarse_replays(scene, [joints], *ends, rate=_OF_SLOWED * rate)[0]
+
+
+_SlowDown = Callable[[Trajectory, Scene, float, JointMotion | None, float], tuple[Trajectory, Replay]]
+
+
+def _corner_traces(
+    trajectory: Trajectory, corner: Corner, motion: JointMotion | None, rate: float, slow_down: _SlowDown = _slow_down
+) -> Iterator[Trace]:
+    """The traces of a corner's objects, on the clock of the planned motion."""
+    speed, scene = corner.speed, corner.scene
+    if speed == 1.0:
+        motion = motion or trajectory.motion
+        played = replay(trajectory, scene, motion=motion, rate=rate)
+        traces = constraint_traces(trajectory, scene, played, points=OF_OBJECTS)
+        traces = with_peaks(traces, peaks_between(trajectory, scene, played, traces, motion))
+        traces = with_liquids_apart(traces, trajectory, scene, motion=motion, rate=rate)
+    else:
+        slow, played = slow_down(trajectory, scene, speed, motion, rate)
+        traces = constraint_traces(slow, scene, played, points=OF_OBJECTS)
+        joints = None if motion is None else SlowedMotion(motion, speed)
+        traces = with_liquids_apart(traces, slow, scene, motion=joints, rate=_OF_SLOWED * rate)
+        traces = tuple(replace(trace, t=trace.t * speed) for trace in traces)
+    for trace in traces:
+        if trace.subject in corner.texts:
+            yield replace(trace, variant=corner.texts[trace.subject])
+
+
+def _of_loads(
+    trajectory: Trajectory, scene: Scene, motion: JointMotion | None, rate: float, played: Replay | None
+) -> Iterator[Trace]:
+    """Joint torques at the least speed, and under the worst load of objects that may be heavier."""
+    if scene.motion.speeds:
+        yield from _torques(trajectory, scene, scene.motion.speeds[-1], motion, rate)
+    if is_uncertain(scene) and played is not None:
+        yield from worst_load_traces(scene, played)
 
 
 def _torques(

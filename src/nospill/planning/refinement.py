@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from nospill import diagnosis
 from nospill.certification.certificate import Judgement, judge_motion
+from nospill.certification.corners import broken_or_corner_traces
 from nospill.certification.tracking_band import broken_or_band_of
 from nospill.certification.tracks import judged_tracks, variant_tracks
 from nospill.errors import ModelError, NoSolutionError
@@ -56,8 +57,8 @@ _ALIKE = 0.8
 _WORTH_A_SOLVE = 1e-3
 """Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
 _WORTH_OVER_BAND, _WORTH_LIGHTER = 5e-3, 0.01
-"""The same over a band of arms, where a row that gets some back asks for two more rounds; where a flow judges, or jerks
-weigh less."""
+"""The same over a band of arms or a range of speeds, where a row that gets some back asks for two more rounds; where a
+flow judges, or jerks weigh less."""
 _HEAVIER = 3.0
 """Times that jerks weigh more from which a motion relaxed, which then leaves too much by the flow, is given up."""
 _LIGHTENED = 3
@@ -156,7 +157,7 @@ def certify_by_refinement(candidate: Candidate, log: Log, *, worth: float = _WOR
 def _with_whole_verdict(judged: Judged, log: Log) -> Judged:
     """The same with all that a judge looks at, where rounds have ended with a row broken at a first look."""
     scene = judged.candidate.active.task.scene
-    if scene.tracking is None or judged.judgement.certificate.ok:
+    if judged.judgement.certificate.ok or (scene.tracking is None and not scene.motion.speeds):
         return judged
     with log.phase("certify"), suppress(ModelError):  # an arm whose liquids have no answer: what is broken stands
         return replace(judged, judgement=judge_motion(judged.trajectory, scene))
@@ -186,7 +187,8 @@ def _relaxed(judged: Judged, log: Log, least: float) -> Judged:
         return judged
     relaxed = relax(last.active, judged.judgement)
     by_flow = bool(last.active.task.may_be_driven)
-    worth = max(least, _WORTH_OVER_BAND if last.active.margins else 0.0, _WORTH_LIGHTER if by_flow else 0.0)
+    over_band = bool(last.active.margins or last.active.task.scene.motion.speeds)
+    worth = max(least, _WORTH_OVER_BAND if over_band else 0.0, _WORTH_LIGHTER if by_flow else 0.0)
     if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
         with suppress(NoSolutionError):
             again = _tighten(last, relaxed, log)
@@ -287,7 +289,9 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
             trajectory = exported(candidate)
         with log.phase("certify"):
             looked_at = candidate.active.task.judged_scene(candidate.active.refined)
-            judgement = judge_motion(trajectory, looked_at, over_band=broken_or_band_of)
+            judgement = judge_motion(
+                trajectory, looked_at, corners=broken_or_corner_traces, over_band=broken_or_band_of
+            )
             if judgement.leaves_margin and looked_at is not scene:
                 judgement = judge_motion(trajectory, scene)
             slosh = judged_tracks(trajectory, scene, judgement.replay, judgement.traces)

@@ -17,7 +17,7 @@ _TRIES = 3
 
 
 def holds_from(judgement: Judgement, task: Task) -> float | None:
-    """Least speed of the grid from which on every row holds, a part of the planned one.
+    """Least of the speeds looked at from which on every row holds there, a part of the planned one.
 
     None where no range was asked for, and where a row is broken at its greatest speed or is about no object.
     """
@@ -27,7 +27,8 @@ def holds_from(judgement: Judgement, task: Task) -> float | None:
     broken = [row for row in judgement.variant_rows if not row.ok]
     if any(not row.of_object for row in broken):
         return None
-    grid, speeds = sorted({1.0, *rules.speeds}), task.speeds
+    speeds = task.speeds
+    grid = sorted({1.0, *(speeds.get((row.subject, row.variant), 1.0) for row in judgement.variant_rows)})
     worst = max((speeds.get((row.subject, row.variant), 1.0) for row in broken), default=0.0)
     return next((speed for speed in grid if speed > worst and speed <= rules.speed_range[1]), None)
 
