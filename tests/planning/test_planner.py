@@ -28,6 +28,7 @@ from nospill.scenario import read_scenario
 from nospill.scene.scene import Scene
 from nospill.transcription.layout import layout_of
 from nospill.transcription.problem import build_problem
+from nospill.transcription.resampling import fine_intervals
 from nospill.transcription.solvers import SolveOptions, solve
 from nospill.transcription.stages import Stages
 from nospill.transcription.starting_motions import Start, smooth_start
@@ -195,6 +196,17 @@ def test_from_a_plan_folder(example_plan: Example, tmp_path: Path) -> None:
     # what is kept back for fear of another round costs a little
     assert 0.0 <= again.duration / first.duration - 1.0 < 1e-3
     assert again.report.starts.tried == 1 and again.report.iterations < first.report.iterations / 2
+
+
+def test_a_motion_longer_than_the_one_that_chose_its_grid_is_planned_again_on_it(changed_scene: Changed) -> None:
+    """With its multipliers, though a motion of its duration would begin with a few intervals more."""
+    whole, planner = {"fidelity": "full"}, Planner()
+    first = planner.plan(changed_scene("matrix-liquid", whole))
+    assert fine_intervals(first.scene, first.duration) > first.scene.planning.intervals
+    again = planner.plan(changed_scene("matrix-liquid", whole | {"tray.friction": 0.47}))
+    assert again.certificate.ok and again.report.warm
+    assert again.report.iterations < first.report.iterations / 4  # 3 of 67, without them 40
+    assert again.duration == pytest.approx(first.duration, rel=2e-3)
 
 
 LESS_FRICTION = {"tray.friction": 0.35}

@@ -32,6 +32,9 @@ from nospill.transcription.trajectory_start import bent, on_branch, on_moved_pat
 
 NOT_CONVERGED = "no solve from the motion before converged"
 NOT_CERTIFIED = "not certified from the motion before"
+_OTHER_GRID = 0.1
+"""Part of its intervals by which a grid is another one: a motion may have become longer than the coarse one whose duration
+chose it, and its multipliers are worth more than a few intervals."""
 _WARM: Options = {"kkt_error_globalization": True, "bound_push": 5e-4, "max_iterations": 50, "tolerances": LOOSEST}
 _SLOWED: Options = {**_WARM, "bound_push": 3e-3}
 
@@ -66,7 +69,8 @@ def _as_before(task: Task, earlier: Plan, last: Candidate) -> ActiveSet | None:
     active = ActiveSet.of(task, q, last.active.members, last.active.refined, last.active.modes)
     ours, theirs = structure_of(active.scene), structure_of(last.active.scene)
     same = ours == replace(theirs, spans=ours.spans, degree=ours.degree)  # its variables and rows are the same
-    if not same or fine_intervals(active.scene, earlier.duration) != last.stages.intervals:
+    intervals = last.stages.intervals
+    if not same or abs(fine_intervals(active.scene, earlier.duration) - intervals) > _OTHER_GRID * intervals:
         return None
     active = cautious(active.with_rows(last.active.rows).with_backoff(last.active.backoff))
     return replace(
