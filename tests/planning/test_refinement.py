@@ -59,3 +59,36 @@ def test_from_a_start_that_breaks_a_row_by_its_budget_a_larger_barrier_comes_fir
     assert barriers == [*((larger, least, largest) if larger_first else BARRIERS), None]
     if larger_first:
         assert tried[0]["bound_push"] > tried[1]["bound_push"]  # it is moved off the bounds that it stands on
+
+
+@pytest.mark.parametrize(
+    ("members", "other", "known"),
+    [
+        (3, {}, True),
+        (4, {}, True),
+        (5, {}, False),
+        (3, {"refined": {"c1"}}, False),
+        (3, {"modes": 6}, False),
+        (3, {"task": object()}, False),
+        (3, {"intervals": 102}, False),
+    ],
+)
+def test_members_that_join_are_solved_with_the_multipliers_of_those_there(
+    monkeypatch: pytest.MonkeyPatch, members: int, other: dict[str, Any], known: bool
+) -> None:
+    """Not where more join than there were, or modes do, nor on another grid."""
+    given: list[object] = []
+
+    def solved(active: object, start: object, log: Log, options: object, warm: object, *, tightens: bool) -> Any:
+        given.append(warm)
+        return SimpleNamespace(has_converged=True, keeps_branch=True)
+
+    monkeypatch.setattr(refinement, "solved", solved)
+    alike = {"task": None, "refined": set[str](), "modes": 3}
+    before: Any = SimpleNamespace(
+        active=SimpleNamespace(members=range(2), **alike), stages=SimpleNamespace(intervals=100)
+    )
+    start: Any = SimpleNamespace(intervals=other.pop("intervals", 100))
+    active: Any = SimpleNamespace(members=range(members), **(alike | other))
+    found = refinement._with_members(before, active, start, Log(None, 60.0))
+    assert (found is not None) == known and given == [before] * known

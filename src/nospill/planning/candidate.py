@@ -18,7 +18,7 @@ from nospill.transcription.late_sums import late_sums
 from nospill.transcription.margins_along import with_margins
 from nospill.transcription.passages import keeps_branch_at_nodes, keeps_branch_between
 from nospill.transcription.problem import Problem, build_problem
-from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, row_slack, solve, usable
+from nospill.transcription.solvers import FEASIBLE, Solution, SolveOptions, carried_over, row_slack, solve, usable
 from nospill.transcription.solvers.options import BARRIERS, LOOSE, TIGHT, Options, near_optimum
 from nospill.transcription.stages import Stages, node_positions
 from nospill.transcription.starting_motions import HIDDEN_AT_START
@@ -139,7 +139,9 @@ def solved(
     *,
     tightens: bool = False,
 ) -> Candidate:
-    """Solve on a start's grid with the multipliers of `warm`, of a problem of the same shape; of one task, its planes.
+    """Solve on a start's grid with the multipliers of `warm`; where both are of one task, its planes.
+
+    Of a problem of another shape on the same grid those that both have.
 
     `problem` is the one about the start, where it is at hand; `tightens` says that a judged motion asks for it. Where
     the weights of a longer motion hold the answer back, it is solved again from there with its own.
@@ -158,7 +160,8 @@ def solved(
             tolerances=LOOSE if active.refined or (stage == "coarse" and problem.planes.groups) else TIGHT,
             progress=partial(log.iteration, stage) if log.progress is not None else None,
         )
-        solution = solve(problem, start, options=replace(usual, **options), warm=warm and warm.solution)
+        known = warm and _suited(warm, problem)
+        solution = solve(problem, start, options=replace(usual, **options), warm=known)
     log.solutions.append(replace(solution, pivot_order=None))  # as large as the factor
     expected, duration = active.expected or start.duration, solution.stages.duration
     if usable(solution) and jerk_cost_dominates(active.scene, expected, duration):
@@ -167,6 +170,13 @@ def solved(
         if usable(again.solution):
             return again
     return Candidate(active, solution, problem)
+
+
+def _suited(warm: Candidate, problem: Problem) -> Solution | None:
+    """An answer whose multipliers suit another problem; None where too little is alike."""
+    if warm.solution.multipliers_for(problem) is not None:
+        return warm.solution
+    return carried_over(warm.solution, warm.problem, problem)
 
 
 def solve_lazily(active: ActiveSet, start: Stages, log: Log, options: Options) -> Candidate:

@@ -257,7 +257,8 @@ def _refine_until_certified(
         else:
             grown, tightened = grown + 1, 0
             start = start_from(active, judged.trajectory, log, before.stages)
-            better = solve_from(active, start, log, _of_other_rows(active, start)[:1])
+            better = _with_members(before, active, start, log)
+            better = better or solve_from(active, start, log, _of_other_rows(active, start)[:1])
             if better is None:  # far from any answer: from a motion slow enough to keep the rows
                 slow = slow_enough(problem_about(active, start), start, _SLOWEST)
                 better = solve_from(active, slow, log, ({}, *NEAR_OPTIMUM[1:]))
@@ -331,6 +332,19 @@ def _tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = T
     if not again.has_converged and not afresh:
         return None
     return again if usable(again.solution) else None
+
+
+def _with_members(before: Candidate, active: ActiveSet, start: Stages, log: Log) -> Candidate | None:
+    """The motion solved from a start with further members, and the multipliers of what was there; else None.
+
+    Where more join than there were, or modes do, those multipliers say little.
+    """
+    last = before.active
+    alike = active.task is last.task and (active.refined, active.modes) == (last.refined, last.modes)
+    if not alike or len(active.members) > 2 * len(last.members) or start.intervals != before.stages.intervals:
+        return None
+    found = solved(active, start, log, near_adapted(_ADAPTED_ITERATIONS), before, tightens=True)
+    return found if found.has_converged and found.keeps_branch else None
 
 
 def _of_other_rows(active: ActiveSet, start: Stages) -> Sequence[Options]:

@@ -33,8 +33,8 @@ from nospill.transcription.trajectory_start import bent, on_branch, on_moved_pat
 NOT_CONVERGED = "no solve from the motion before converged"
 NOT_CERTIFIED = "not certified from the motion before"
 _OTHER_GRID = 0.1
-"""Part of its intervals by which a grid is another one: a motion may have become longer than the coarse one whose duration
-chose it, and its multipliers are worth more than a few intervals."""
+"""Part of its intervals by which a grid is another one: a motion may have become longer than the coarse one whose
+duration chose it, and its multipliers are worth more than a few intervals."""
 _WARM: Options = {"kkt_error_globalization": True, "bound_push": 5e-4, "max_iterations": 50, "tolerances": LOOSEST}
 _SLOWED: Options = {**_WARM, "bound_push": 3e-3}
 

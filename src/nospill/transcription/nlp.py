@@ -62,6 +62,8 @@ class Transcription:
         intervals: N.
         lower: bounds of all constraints, shape (m,).
         upper: likewise.
+        active: which rows of a stage with all of its own take part, gaps and equalities among them.
+        end_active: likewise, of those on the final state.
         blocks: of the active rows of a stage, first row counted from the stage's start.
         end_blocks: of the active rows on the final state, first row counted from the first of them.
         rows_per_stage: gaps, equalities and active rows of a stage.
@@ -78,6 +80,8 @@ class Transcription:
     intervals: int
     lower: np.ndarray
     upper: np.ndarray
+    active: np.ndarray
+    end_active: np.ndarray
     blocks: tuple[Block, ...]
     end_blocks: tuple[Block, ...]
     rows_per_stage: int
@@ -235,6 +239,8 @@ def _transcribe(
         upper=np.concatenate(
             [np.tile(upper, intervals), whole.end_upper[end_rows], np.zeros(of_sums), np.full(apart.count, np.inf)]
         ),
+        active=rows,
+        end_active=end_rows,
         blocks=blocks,
         end_blocks=end_blocks,
         rows_per_stage=len(rows),
