@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +20,8 @@ from nospill.certification.tracks import variant_tracks
 from nospill.certification.verdict import Row
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role, RowId
+from nospill.planning.log import Log
+from nospill.planning.refinement import Judged, _with_whole_verdict
 from nospill.planning.worst_speeds import adjacent_members, evenly, peaks
 from nospill.scene.scene import SPEED_STEP
 from nospill.scene.tolerances import corner_scenes
@@ -83,6 +87,15 @@ def test_a_first_look_ends_where_it_breaks_a_limit(smooth_motion: Callable) -> N
 
 def uses_of_variants(rows: tuple[Row, ...]) -> dict[tuple[str, str, str], float]:
     return {(row.constraint, row.subject, row.variant): row.use for row in rows}
+
+
+def test_planning_ends_with_the_whole_verdict_over_a_range(smooth_motion: Callable) -> None:
+    motion = smooth_motion("mixed-tray", stretch=0.8, tilt=(0.1, 0.05))
+    scene = with_range(motion.scene, 0.9)
+    first = judge_motion(motion.trajectory, scene, corners=broken_or_corner_traces)
+    candidate: Any = SimpleNamespace(active=SimpleNamespace(task=SimpleNamespace(scene=scene)))
+    last = _with_whole_verdict(Judged(candidate, motion.trajectory, first), Log(None, 60.0)).judgement
+    assert last.corners == judge_motion(motion.trajectory, scene).corners and len(last.corners) > len(first.corners)
 
 
 def test_a_motion_that_holds_is_looked_at_as_it_is_judged(smooth_motion: Callable) -> None:
