@@ -63,6 +63,33 @@ def test_peaks_beside_which_back_off_is_in_vain_join(smooth_motion: Callable) ->
     assert joining("slosh height", 1.05, _4=0.3, _8=0.9) == set()
 
 
+def test_slowed_liquids_join_from_the_planned_speed_downwards(smooth_motion: Callable) -> None:
+    """As many as there are members at a time, below the slowest at even steps of 1/v, above it at peaks."""
+    cup = replace(next(item for item in smooth_motion("mixed-tray").scene.cargo if item.oscillators), name="a")
+    slowest, t = min(mode.frequency for mode in cup.oscillators), np.array([0.0, 2.0])
+    step = math.pi / (slowest * t[-1])
+    slow = {("a", f"{number}"): 1.0 / (1.0 + 0.25 * number * step) for number in range(1, 61)}
+    speeds, names = {("a", ""): 1.0} | slow, {("a", ""): "a"}
+
+    def joined(uses: Callable[[int], float]) -> list[int]:
+        rows = [
+            Row("residual height", "a", "m", 1.0, use, 1.0 - use, 0.0, use <= 1.0, text)
+            for (_, text), use in ((variant, uses(int(variant[1]))) for variant in slow)
+        ]
+        members = Members(names, speeds, (cup,), 4)
+        found = members.missing(rows, above=1.005, outer=["a"], backoff={}, t=t)
+        names.update({variant: f"a at {variant[1]}" for variant in found})
+        return sorted(int(text) for _, text in found)
+
+    first = joined(lambda _: 2.0)
+    assert len(first) == 4 and first[0] <= 3 and np.all(np.diff(first) == 4)
+    second = joined(lambda number: 0.9 if number <= first[-1] else 2.0)
+    assert len(second) == len(first) + 1 and second[0] > first[-1] + 1 and np.all(np.diff(second) <= 5)
+    peak = first[0] + 2
+    assert joined(lambda number: 2.0 if number == peak else 0.9) == [peak]
+    assert joined(lambda number: 1.05 if number == first[1] + 2 else 0.9) == []  # the back-off of those beside it does
+
+
 def test_solids_join_wherever_they_break_a_limit(smooth_motion: Callable) -> None:
     """They bring no states; objects with liquids join where they are well over it."""
     scene = _with_range(smooth_motion("mixed-tray").scene, 0.5)

@@ -176,9 +176,11 @@ class Members:
     def _liquid_candidates(
         self, liquids: Sequence[Row], in_vain: Collection[Row], clearly: float, t: np.ndarray
     ) -> list[Row]:
-        """Slowed liquids between the speeds of those in the problem, far over a limit or where back-off is in vain.
+        """Slowed liquids far over a limit or next to which back-off is in vain, at the greatest speeds first.
 
-        Where no liquid is in it at a lower speed yet, the worst one at even steps of its phase at the end.
+        Those at peaks between the speeds that are in the problem, and below them at even steps of their phase at the
+        end; as many as there are members: with the multipliers of these a problem twice as large is solved in a third
+        of the iterations that one with all of them takes.
 
         Args:
             liquids: their rows.
@@ -186,10 +188,21 @@ class Members:
             clearly: the use that is far over a limit.
             t: (m,) s, of the motion.
         """
-        with_liquid = self._with_liquid
-        if any(self.speeds[member] < 1.0 and member[0] in with_liquid for member in self.names):
-            return [row for row in peaks(liquids, self.speeds) if row in in_vain or row.use > clearly]
-        return evenly(liquids, self.speeds, self._phase_step(t)) if liquids else []
+        if not liquids:
+            return []
+        with_liquid, step = self._with_liquid, self._phase_step(t)
+        least = min((self.speeds[member] for member in self.names if member[0] in with_liquid), default=1.0)
+        found = evenly(
+            [row for row in liquids if 1.0 / self._speed(row) >= 1.0 / least + 0.5 * step], self.speeds, step
+        )
+        if least < 1.0:
+            found += [row for row in peaks(liquids, self.speeds) if self._speed(row) >= least]
+            found = [row for row in found if row in in_vain or row.use > clearly]
+        joining = [row for row in found if _variant(row) not in self.names]
+        return sorted(joining, key=self._speed, reverse=True)[: max(len(self.names), self.at_once)]
+
+    def _speed(self, row: Row) -> float:
+        return self.speeds[_variant(row)]
 
     def _phase_step(self, t: np.ndarray) -> float:
         """Step of 1/v, v a part of the planned speed, in which the phase of the slowest mode at the end turns by pi."""
