@@ -123,7 +123,7 @@ def test_where_every_third_speed_holds_the_others_are_looked_at(
 
 
 def test_what_is_no_number_at_a_first_look_is_judged(smooth_motion: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
-    def diverged(*given: object, **more: object) -> tuple[Replay, ...]:
+    def diverged(*given: Any, **more: Any) -> tuple[Replay, ...]:
         (played,) = coarse_replays(*given, **more)
         return (replace(played, slosh_displacement=np.full_like(played.slosh_displacement, np.nan)),)
 
