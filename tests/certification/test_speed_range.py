@@ -15,7 +15,7 @@ from nospill.certification import corners
 from nospill.certification.certificate import judge_motion
 from nospill.certification.corners import _LOOKS, _at_speeds, broken_or_corner_traces, closer, corner_traces, vertices
 from nospill.certification.other_speeds import uses_at
-from nospill.certification.replay import Replay
+from nospill.certification.replay import MINIMUM_RATE, Replay
 from nospill.certification.tracks import variant_tracks
 from nospill.certification.verdict import Row
 from nospill.laws.constraints import BY_NAME
@@ -26,6 +26,8 @@ from nospill.planning.worst_speeds import adjacent_members, evenly, peaks
 from nospill.scene.scene import SPEED_STEP
 from nospill.scene.tolerances import corner_scenes
 from nospill.scene.variants import variants_by_object
+
+AS_JUDGED = None, MINIMUM_RATE, None
 
 
 def with_range(scene, least: float, greatest: float = 1.0):
@@ -102,7 +104,7 @@ def test_a_motion_that_holds_is_looked_at_as_it_is_judged(smooth_motion: Callabl
     motion = smooth_motion("mixed-tray", stretch=3.0)
     scene = with_range(motion.scene, 0.95)
     whole, looked_at = (
-        [(trace.id, trace.variant, trace.use) for trace in law(motion.trajectory, scene)]
+        [(trace.id, trace.variant, trace.use) for trace in law(motion.trajectory, scene, *AS_JUDGED)]
         for law in (corner_traces, broken_or_corner_traces)
     )
     assert [row[:2] for row in whole] == [row[:2] for row in looked_at]
@@ -117,7 +119,7 @@ def test_where_every_third_speed_holds_the_others_are_looked_at(
     scene = with_range(motion.scene, 0.95)
     texts = [f"{100 * speed:.4g} % of the speed" for speed in scene.motion.speeds]
     monkeypatch.setattr(corners, "_is_broken", lambda trace: trace.variant == texts[1])
-    found = [trace for trace in broken_or_corner_traces(motion.trajectory, scene) if trace.subject == "cup"]
+    found = [trace for trace in broken_or_corner_traces(motion.trajectory, scene, *AS_JUDGED) if trace.subject == "cup"]
     assert {trace.variant for trace in found} == {"", *texts}
     assert all(len(trace.t) == 1 for trace in found)  # what their rows need, and no more
 

@@ -318,7 +318,7 @@ def _limits(
     worst = fullest(at_peaks)
     of_corners: list[Row] = []
     corner_use: dict[RowId, np.ndarray] = {}
-    for trace in corners(held, scene, motion=motion, rate=rate, played=played):
+    for trace in corners(held, scene, motion, rate, played):
         of_corners.append(worst_row(trace))
         keep_fullest(worst, trace)
         if len(trace.t) > 1:

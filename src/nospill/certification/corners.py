@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 
@@ -47,27 +46,13 @@ _LIQUIDS_OFF, _CONTACTS_OFF = 1e-3, 0.02
 """Parts of a limit by which uses of these looks are off at most (1.4e-4 and 0.016 seen)."""
 
 
-class Corners(Protocol):
-    """`corner_traces`, or a law that ends where a limit is broken."""
-
-    def __call__(
-        self,
-        trajectory: Trajectory,
-        scene: Scene,
-        /,
-        *,
-        motion: JointMotion | None = None,
-        rate: float = MINIMUM_RATE,
-        played: Replay | None = None,
-    ) -> Iterator[Trace]:
-        """Traces of every constraint on every variant of the objects."""
-        ...
+Corners = Callable[[Trajectory, Scene, JointMotion | None, float, Replay | None], Iterator[Trace]]
+"""The arguments of `corner_traces` -> traces on the variants of the objects."""
 
 
 def corner_traces(
     trajectory: Trajectory,
     scene: Scene,
-    *,
     motion: JointMotion | None = None,
     rate: float = MINIMUM_RATE,
     played: Replay | None = None,
@@ -100,12 +85,7 @@ def corner_traces(
 
 
 def broken_or_corner_traces(
-    trajectory: Trajectory,
-    scene: Scene,
-    *,
-    motion: JointMotion | None = None,
-    rate: float = MINIMUM_RATE,
-    played: Replay | None = None,
+    record: Trajectory, scene: Scene, motion: JointMotion | None, rate: float, played: Replay | None
 ) -> Iterator[Trace]:
     """`corner_traces` for a motion under planning: where a first look breaks a limit, what that found, else all of it.
 
@@ -115,14 +95,14 @@ def broken_or_corner_traces(
     for every in _FIRST_LOOKS if scene.motion.speeds else ():
         chosen = {1.0, *scene.motion.speeds[::every], scene.motion.speeds[-1]}.difference(found)
         for corner in (own for own in corners if own.speed in chosen):
-            traces = _corner_traces(trajectory, corner, motion, rate, _slow_down_roughly)
+            traces = _corner_traces(record, corner, motion, rate, _slow_down_roughly)
             found.setdefault(corner.speed, []).extend(map(_fullest_instant, traces))
         if any(map(_is_broken, (trace for traces in found.values() for trace in traces))):
             for traces in found.values():
                 yield from traces
-            yield from _of_loads(trajectory, scene, motion, rate, played)
+            yield from _of_loads(record, scene, motion, rate, played)
             return
-    yield from corner_traces(trajectory, scene, motion=motion, rate=rate, played=played)
+    yield from corner_traces(record, scene, motion, rate, played)
 
 
 def _is_broken(trace: Trace) -> bool:

@@ -179,8 +179,8 @@ class Members:
         """Slowed liquids far over a limit or next to which back-off is in vain, at the greatest speeds first.
 
         Those at peaks between the speeds that are in the problem, and below them at even steps of their phase at the
-        end; as many as there are members: with the multipliers of these a problem twice as large is solved in a third
-        of the iterations that one with all of them takes.
+        end. At most as many as there are members, or as join for one constraint: with the multipliers of these a
+        problem twice as large takes less than half of the iterations of one with all of them.
 
         Args:
             liquids: their rows.
