@@ -23,6 +23,7 @@ from nospill.laws.constraints.base import Role, RowId
 from nospill.planning.log import Log
 from nospill.planning.refinement import Judged, _with_whole_verdict
 from nospill.planning.worst_speeds import adjacent_members, evenly, peaks
+from nospill.scene.cargo import Tolerance
 from nospill.scene.scene import SPEED_STEP
 from nospill.scene.tolerances import corner_scenes
 from nospill.scene.variants import variants_by_object
@@ -118,10 +119,56 @@ def test_where_every_third_speed_holds_the_others_are_looked_at(
     motion = smooth_motion("mixed-tray", stretch=3.0)
     scene = with_range(motion.scene, 0.95)
     texts = [f"{100 * speed:.4g} % of the speed" for speed in scene.motion.speeds]
-    monkeypatch.setattr(corners, "_is_broken", lambda trace: trace.variant == texts[1])
+    monkeypatch.setattr(corners, "_is_broken", lambda trace, by=0.0: trace.variant == texts[1])
     found = [trace for trace in broken_or_corner_traces(motion.trajectory, scene, *AS_JUDGED) if trace.subject == "cup"]
     assert {trace.variant for trace in found} == {"", *texts}
     assert all(len(trace.t) == 1 for trace in found)  # what their rows need, and no more
+
+
+def test_lower_speeds_are_looked_at_where_those_above_hold(
+    smooth_motion: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Down to a little below the slowest liquid of the problem first; at solids of the least speed at once."""
+    motion = smooth_motion("mixed-tray", stretch=3.0)
+    scene = with_range(motion.scene, 0.3)
+    fastest = f"{100 * scene.motion.speeds[0]:.4g} % of the speed"
+
+    def least_looked_at(broken: str, slowest: float) -> dict[str, float]:
+        monkeypatch.setattr(corners, "_is_broken", lambda trace, by=0.0: trace.variant == broken)
+        found = list(broken_or_corner_traces(motion.trajectory, scene, *AS_JUDGED, slowest=slowest))
+        speeds = [(trace.subject, float(trace.variant.split()[0]) / 100) for trace in found if "%" in trace.variant]
+        return {name: min(speed for own, speed in speeds if own == name) for name in ("cup", "bottle")}
+
+    assert least_looked_at(fastest, 1.0) == {"cup": pytest.approx(math.sqrt(0.5), rel=0.05), "bottle": 0.3}
+    assert least_looked_at(fastest, 0.6) == {"cup": pytest.approx(0.6 * math.sqrt(0.5), rel=0.05), "bottle": 0.3}
+    assert least_looked_at(fastest, 0.4) == {"cup": 0.3, "bottle": 0.3}
+    assert least_looked_at("30 % of the speed", 1.0)["cup"] == pytest.approx(math.sqrt(0.5), rel=0.05)  # a solid there
+    monkeypatch.setattr(corners, "_of_solids", lambda _: [])
+    assert least_looked_at("30 % of the speed", 1.0) == {"cup": 0.3, "bottle": 0.3}
+
+
+def test_speeds_that_broke_a_limit_are_looked_at_again_before_all_others(
+    smooth_motion: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motion = smooth_motion("mixed-tray", stretch=3.0)
+    scene = with_range(motion.scene, 0.7)
+    again = scene.motion.speeds[7:9]
+    texts = {f"{100 * speed:.4g} % of the speed" for speed in again}
+    monkeypatch.setattr(corners, "_is_broken", lambda trace, by=0.0: trace.variant in texts and by == 0.0)
+    found = list(broken_or_corner_traces(motion.trajectory, scene, *AS_JUDGED, again=again))
+    assert {trace.variant for trace in found if trace.subject == "cup"} == texts
+
+
+def test_what_is_broken_by_little_is_seen_with_all_of_the_range(
+    smooth_motion: Callable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Back-off given for one part of it is not taken back where members at lower speeds make it needless."""
+    motion = smooth_motion("mixed-tray", stretch=3.0)
+    scene = with_range(motion.scene, 0.3)
+    fastest = f"{100 * scene.motion.speeds[0]:.4g} % of the speed"
+    monkeypatch.setattr(corners, "_is_broken", lambda trace, by=0.0: trace.variant == fastest and by == 0.0)
+    found = list(broken_or_corner_traces(motion.trajectory, scene, *AS_JUDGED, slowest=1.0))
+    assert {"", fastest, "30 % of the speed"} <= {trace.variant for trace in found if trace.subject == "cup"}
 
 
 def test_what_is_no_number_at_a_first_look_is_judged(smooth_motion: Callable, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -204,8 +251,21 @@ def test_no_look_between_speeds_far_from_a_limit_or_over_it() -> None:
 def test_between_speeds_only_what_asks_and_is_tried_there_is_played(smooth_motion: Callable) -> None:
     """Solids are tried at both ends, which say all of them: none is played between, however near to a limit."""
     corners = list(corner_scenes(with_range(smooth_motion("mixed-tray").scene, 0.5)))
-    uses = {RowId("slip", name): {0.5: 0.99, 0.9877: 0.99} for name in ("bottle", "cup")}
+    uses = {(RowId("slip", name), 0): {0.5: 0.99, 0.9877: 0.99} for name in ("bottle", "cup")}
     found = _at_speeds(corners, uses, closer)
     assert len(found) > 100
     assert all([item.name for item in own.scene.cargo] == ["cup"] for own in found)
     assert _at_speeds(corners, {}, closer) == []
+
+
+def test_between_speeds_only_variants_near_a_limit_are_played(smooth_motion: Callable) -> None:
+    scene = smooth_motion("mixed-tray").scene
+    level = Tolerance(liquid_height=1e-3)
+    cargo = tuple(replace(item, tolerance=level) if item.oscillators else item for item in scene.cargo)
+    corners = list(corner_scenes(with_range(replace(scene, cargo=cargo), 0.9)))
+    assert {corner.number for corner in corners if corner.speed == 0.9} == {0, 1, 2}
+    row = RowId("slosh height", "cup")
+    uses = {(row, 0): {0.91: 0.5, 0.9: 0.5}, (row, 1): {0.91: 0.99, 0.9: 0.98}, (row, 2): {0.91: 1.01, 0.9: 0.96}}
+    found = _at_speeds(corners, uses, closer)
+    assert found and {own.number for own in found} == {1}
+    assert {own.texts["cup"].split(",")[0] for own in found} == {"fill -1 mm"}

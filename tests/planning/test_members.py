@@ -11,7 +11,8 @@ import pytest
 
 from nospill.certification.verdict import Row
 from nospill.laws.constraints.base import RowId
-from nospill.planning.members import Members, backoff_by_order, crests_of, relaxed_by_order, tightened
+from nospill.planning.members import Members
+from nospill.planning.row_backoff import backoff_by_order, crests_of, relaxed_by_order, tightened
 from nospill.planning.tightening import growth_by_order, relaxed_second_order
 from nospill.planning.worst_speeds import is_far
 from nospill.scenario import read_scenario

@@ -21,7 +21,9 @@ def candidate(name: str) -> Any:
     stages = SimpleNamespace(name=name, duration=1.0, intervals=10)
     scene = SimpleNamespace(motion=SimpleNamespace(speed_range=None), tracking=None)
     task = SimpleNamespace(scene=scene, judged_scene=lambda _: scene)
-    return SimpleNamespace(stages=stages, active=SimpleNamespace(task=task, refined=frozenset()))
+    members = SimpleNamespace(slowest=1.0)
+    active = SimpleNamespace(task=task, refined=frozenset(), membership=members)
+    return SimpleNamespace(stages=stages, active=active)
 
 
 @pytest.mark.parametrize("bounded", [True, False], ids=["solved with it bounded", "not solved"])

@@ -13,7 +13,7 @@ from nospill.certification.verdict import Row
 from nospill.core.attitudes import matrices, yaw_of
 from nospill.errors import ScenarioError
 from nospill.laws.constraints.base import RowId
-from nospill.planning.members import without_ease
+from nospill.planning.row_backoff import without_ease
 from nospill.plans.plan import Plan
 from nospill.plans.state import MotionState, beginning_in
 from nospill.robots.kinematics.forward import kinematics

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -42,12 +42,22 @@ _FIRST_LOOKS = (3, 1)
 """Of so many speeds of the grid one is looked at first, and then, with the liquids integrated once: steps of three of
 them determine the modes that problems have."""
 
+_FURTHER = math.sqrt(2.0)
+"""Ratio of the speeds at both ends of a part of the range that is looked at where the parts above it hold."""
+
+_MUCH = 0.5
+"""Part of a limit; where one is broken by more, liquids join a problem, and those at lower speeds are looked at after
+that. What is broken by less is kept by back-off, with a view of the whole range."""
+
 _LIQUIDS_OFF, _CONTACTS_OFF = 1e-3, 0.02
 """Parts of a limit by which uses of these looks are off at most (1.4e-4 and 0.016 seen)."""
 
 
 Corners = Callable[[Trajectory, Scene, JointMotion | None, float, Replay | None], Iterator[Trace]]
 """The arguments of `corner_traces` -> traces on the variants of the objects."""
+
+_RowOfVariant = tuple[RowId, int]
+"""A row, and the number of the variant whose uses over the speed are looked at: those of another are another curve."""
 
 
 def corner_traces(
@@ -68,12 +78,12 @@ def corner_traces(
         rate: Hz, the least rate of the grid.
         played: the replay of the scene as stated; with it, joint torques under the worst load too.
     """
-    corners, uses = list(_of_outer_objects(corner_scenes(scene))), dict[RowId, dict[float, float]]()
+    corners, uses = list(_of_outer_objects(corner_scenes(scene))), dict[_RowOfVariant, dict[float, float]]()
 
     def looked_at(some: Iterable[Corner]) -> Iterator[Trace]:
         for corner in some:
             for trace in _corner_traces(trajectory, corner, motion, rate):
-                use = uses.setdefault(trace.id, {})
+                use = uses.setdefault((trace.id, corner.number), {})
                 use[corner.speed] = max(use.get(corner.speed, 0.0), float(np.max(trace.use)))
                 yield trace
 
@@ -85,30 +95,76 @@ def corner_traces(
 
 
 def broken_or_corner_traces(
-    record: Trajectory, scene: Scene, motion: JointMotion | None, rate: float, played: Replay | None
+    record: Trajectory,
+    scene: Scene,
+    motion: JointMotion | None,
+    rate: float,
+    played: Replay | None,
+    *,
+    slowest: float = 0.0,
+    again: Collection[float] = (),
 ) -> Iterator[Trace]:
     """`corner_traces` for a motion under planning: where a first look breaks a limit, what that found, else all of it.
 
-    Such looks are at speeds of the grid, with the liquids integrated once. Arguments as there.
+    Such looks are at speeds of the grid, with the liquids integrated once; at solids of the least speed at once. Other
+    arguments as there.
+
+    Args:
+        record: the motion.
+        scene: what it must keep to.
+        motion: as there.
+        rate: as there.
+        played: as there.
+        slowest: part of the planned speed of the slowest liquid in the problem, as `_first_looks` has it.
+        again: speeds of the grid that are looked at before all others.
     """
-    corners, found = list(_of_outer_objects(corner_scenes(scene))), dict[float, list[Trace]]()
-    for every in _FIRST_LOOKS if scene.motion.speeds else ():
-        chosen = {1.0, *scene.motion.speeds[::every], scene.motion.speeds[-1]}.difference(found)
-        for corner in (own for own in corners if own.speed in chosen):
-            traces = _corner_traces(record, corner, motion, rate, _slow_down_roughly)
-            found.setdefault(corner.speed, []).extend(map(_fullest_instant, traces))
-        if any(map(_is_broken, (trace for traces in found.values() for trace in traces))):
-            for traces in found.values():
-                yield from traces
+    corners, found, least = list(_of_outer_objects(corner_scenes(scene))), list[Trace](), set(scene.motion.speeds[-1:])
+    for parts in _first_looks(scene.motion.speeds, slowest, again):
+        for part in parts:
+            chosen = [corner for corner in corners if corner.speed in part]
+            if least.isdisjoint(part):
+                chosen += _of_solids(corner for corner in corners if corner.speed in least)
+                least = set()
+            for corner in chosen:
+                found += map(_fullest_instant, _corner_traces(record, corner, motion, rate, _slow_down_roughly))
+            if any(_is_broken(trace, _MUCH) for trace in found):
+                break
+        if any(map(_is_broken, found)):
+            yield from found
             yield from _of_loads(record, scene, motion, rate, played)
             return
     yield from corner_traces(record, scene, motion, rate, played)
 
 
-def _is_broken(trace: Trace) -> bool:
+def _first_looks(speeds: Sequence[float], slowest: float, again: Collection[float]) -> list[list[set[float]]]:
+    """The speeds of each look, one for when those before it hold: at `again`, at every third speed, at all.
+
+    Each in parts of the range from the planned speed downwards, where those above break nothing by much: first down to
+    a little below `slowest`.
+    """
+    looks, seen = [[set(again)]] if again else [], set(again)
+    for every in _FIRST_LOOKS if speeds else ():
+        left, end = {1.0, *speeds[::every], speeds[-1]} - seen, slowest / _FURTHER
+        seen |= left
+        looks.append([])
+        while left:
+            looks[-1].append({speed for speed in left if speed >= end})
+            left, end = {speed for speed in left if speed < end}, end / _FURTHER
+    return looks
+
+
+def _of_solids(corners: Iterable[Corner]) -> Iterator[Corner]:
+    """Those of objects in which nothing swings."""
+    for corner in corners:
+        cargo = tuple(item for item in corner.scene.cargo if not item.oscillators)
+        if cargo:
+            yield replace(corner, scene=replace(corner.scene, cargo=cargo))
+
+
+def _is_broken(trace: Trace, by: float = 0.0) -> bool:
     """Whether a limit is broken whatever a first look is off by; what is no number is left to the judge."""
     off = _LIQUIDS_OFF if trace.known is not None and trace.known.role is Role.LIQUID else _CONTACTS_OFF
-    return 1.0 + off < float(trace.use[0]) < math.inf
+    return 1.0 + max(off, by) < float(trace.use[0]) < math.inf
 
 
 def _fullest_instant(trace: Trace) -> Trace:
@@ -202,26 +258,25 @@ def _torques(
 
 def _at_speeds(
     corners: Sequence[Corner],
-    uses: Mapping[RowId, Mapping[float, float]],
+    uses: Mapping[_RowOfVariant, Mapping[float, float]],
     between: Callable[[Mapping[float, float]], Iterable[float]],
 ) -> list[Corner]:
     """Corners at speeds between those of the grid, of the objects whose uses ask for them: of those tried nearby.
 
     Of solids none: their wrench is linear in the square of the speed and the limits are cones, so both ends use most.
     """
-    asking: dict[float, set[str]] = {}
-    for row, use in uses.items():
+    asking: dict[tuple[float, int], set[str]] = {}
+    for (row, number), use in uses.items():
         for speed in between(use):
-            asking.setdefault(speed, set()).add(row.subject)
-    grid = sorted({corner.speed for corner in corners})
+            asking.setdefault((speed, number), set()).add(row.subject)
     chosen = []
-    for speed, names in asking.items():
-        nearest = min(grid, key=lambda tried: abs(tried - speed))
-        for tried in (corner for corner in corners if corner.speed == nearest):
-            chosen_names = names.intersection(tried.texts)
-            cargo = tuple(item for item in tried.scene.cargo if item.oscillators and item.name in chosen_names)
-            if cargo:
-                chosen.append(replace(tried, scene=replace(tried.scene, cargo=cargo), speed=speed))
+    for (speed, number), names in asking.items():
+        alike = [corner for corner in corners if corner.number == number]
+        nearest = min(alike, key=lambda corner: abs(corner.speed - speed))
+        names &= nearest.texts.keys()
+        cargo = tuple(item for item in nearest.scene.cargo if item.oscillators and item.name in names)
+        if cargo:
+            chosen.append(replace(nearest, scene=replace(nearest.scene, cargo=cargo), speed=speed))
     return chosen
 
 

@@ -25,11 +25,8 @@ from nospill.planning.driven_waves import (
     as_carried,
     far_over,
 )
-from nospill.planning.members import (
-    Crests,
-    Members,
-    backoff_by_order,
-)
+from nospill.planning.members import Members
+from nospill.planning.row_backoff import Crests, backoff_by_order
 from nospill.planning.second_order import beyond_crests, with_room
 from nospill.planning.smoothness import AS_STATED, SECOND_ORDER, Smoothness
 from nospill.planning.task import Task

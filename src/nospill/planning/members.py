@@ -18,27 +18,16 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby, islice
-from types import MappingProxyType
 
 import numpy as np
 
 from nospill.certification.verdict import Row, condensed
 from nospill.laws.constraints import END_NAMES
 from nospill.laws.constraints.base import RowId
-from nospill.planning.tightening import (
-    growth_by_order,
-    is_saturated,
-    relaxed_second_order,
-    second_order_backoff,
-    tightened_backoff,
-)
+from nospill.planning.tightening import is_saturated
 from nospill.planning.worst_speeds import adjacent_members, evenly, is_far, peaks
 from nospill.scene.cargo import Cargo
 from nospill.scene.variants import VariantId
-from nospill.transcription.problem import WIDER
-
-Crests = Mapping[RowId, tuple[float, float]]
-"""Row of a height of second order -> its back-off in a problem, and the height of its answer over the limit."""
 
 _SLIGHT_OF_SLOWED = 0.1
 """Part of its limit by which a liquid between two speeds of a problem may exceed it before it joins: the back-off of
@@ -116,8 +105,8 @@ class Members:
     def attributed(self, rows: Iterable[Row], *, own: bool) -> Iterator[Row]:
         """Rows by the names that their subjects have in the problem.
 
-        What is not in it is attributed to the members of the same object, or to all where there are none; at another
-        speed, to the slowed members next to it.
+        What is not in it is attributed to the members of the same object, or to all where there are none: at the
+        planned speed to those that move so fast, at another to the slowed ones next to it.
 
         Args:
             rows: of a judged motion.
@@ -130,9 +119,10 @@ class Members:
             elif variant in self.names:
                 yield replace(row, subject=self.names[variant], variant="")
             elif not own:
-                same = [member for member in self.names if member[0] == row.subject]
+                alike = [member for member in self.names if self._is_slowed(row) or self.speeds[member] == 1.0]
+                same = [member for member in alike if member[0] == row.subject]
                 next_to = self._next_to(row) if self._is_slowed(row) else []
-                for member in next_to or same or self.names:
+                for member in next_to or same or alike or self.names:
                     yield replace(row, subject=self.names[member], variant="")
 
     def saturated_at_end(self, backoff: Mapping[RowId, float]) -> dict[RowId, VariantId]:
@@ -146,6 +136,11 @@ class Members:
         slowed = {label: item for item, label in self.names.items() if self.speeds[item] < 1.0}
         rows = (row for row, kept in backoff.items() if row.constraint in END_NAMES and is_saturated(kept))
         return {row: slowed[row.subject] for row in rows if row.subject in slowed}
+
+    @property
+    def slowest(self) -> float:
+        """Least speed of a member in which something swings, a part of the planned one; 1 without any."""
+        return min((self.speeds[member] for member in self.names if member[0] in self._with_liquid), default=1.0)
 
     @property
     def _with_liquid(self) -> frozenset[str]:
@@ -190,8 +185,7 @@ class Members:
         """
         if not liquids:
             return []
-        with_liquid, step = self._with_liquid, self._phase_step(t)
-        least = min((self.speeds[member] for member in self.names if member[0] in with_liquid), default=1.0)
+        least, step = self.slowest, self._phase_step(t)
         found = evenly(
             [row for row in liquids if 1.0 / self._speed(row) >= 1.0 / least + 0.5 * step], self.speeds, step
         )
@@ -214,109 +208,6 @@ def _worst(rows: Iterable[Row], most: int) -> list[Row]:
     """Of every constraint so many rows that use most of their limits."""
     in_order = groupby(sorted(rows, key=lambda row: (row.constraint, -row.use)), key=lambda row: row.constraint)
     return [row for _, group in in_order for row in islice(group, most)]
-
-
-def tightened(
-    rows: Iterable[Row],
-    active: Collection[RowId],
-    backoff: Mapping[RowId, float],
-    slack: Mapping[RowId, float],
-    crests: Crests = MappingProxyType({}),
-) -> tuple[dict[RowId, float], frozenset[RowId]]:
-    """Back-off of every row for the next problem, and the rows that are broken without taking part in this one.
-
-    Args:
-        rows: that break their limits, by the names of the members.
-        active: rows that take part.
-        backoff: of every row that may.
-        slack: part of its budget that each left unused.
-        crests: of the round before.
-    """
-    joining, raised = set[RowId](), dict(backoff)
-    for row in condensed(rows):
-        key = row.id
-        if key in active:
-            raised[key] = _raised_backoff(row, raised[key], slack.get(key, 0.0), crests.get(key))
-        elif key in raised:
-            joining.add(key)
-    return raised, frozenset(joining)
-
-
-def without_ease(
-    rows: Iterable[Row], backoff: Mapping[RowId, float], before: Mapping[RowId, float], until: float
-) -> dict[RowId, float]:
-    """Back-off of every row; what breaks where a motion from a state has wider rows gets half of what they are wider.
-
-    Args:
-        rows: that break their limits, by the names of the members.
-        backoff: of every row, for the next problem.
-        before: of the last problem.
-        until: s, to which rows are wider.
-    """
-    early = {row.id for row in rows if row.at_s < until} & before.keys()
-    return {row: max(value, (before[row] + WIDER) / 2) if row in early else value for row, value in backoff.items()}
-
-
-def crests_of(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, tuple[float, float]]:
-    """`Crests` of a judged motion; arguments as of `tightened`."""
-    found = condensed(row for row in rows if _is_crest(row) and row.id in backoff)
-    return {row.id: (backoff[row.id], _parts(row)[1]) for row in found}
-
-
-def _raised_backoff(row: Row, backoff: float, unused: float, before: tuple[float, float] | None = None) -> float:
-    """Back-off of a broken row for the next problem."""
-    if row.linear_value is None:
-        return tightened_backoff(backoff, row.shortfall / row.size, unused, at_end=row.at_end)
-    allowed = row.limit - row.shortfall - row.worst_margin  # less what a finer grid may find
-    return second_order_backoff(backoff, *_parts(row), allowed / row.limit, before)
-
-
-def backoff_by_order(rows: Iterable[Row], backoff: Mapping[RowId, float]) -> dict[RowId, float]:
-    """Back-off of the broken rows of second order alone, whose excess over the linear law has just been seen.
-
-    Arguments as of `tightened`.
-    """
-    broken = condensed(row for row in rows if _is_crest(row) and row.shortfall > 0.0)
-    return {row.id: _raised_backoff(row, backoff[row.id], 0.0) for row in broken if row.id in backoff}
-
-
-def relaxed_by_order(
-    rows: Iterable[Row], backoff: Mapping[RowId, float], over: Mapping[RowId, float] = MappingProxyType({})
-) -> dict[RowId, float]:
-    """Back-off of the rows of second order, less where a motion stays far below their limits.
-
-    Args:
-        rows: as judged, by the names of the members.
-        backoff: of every row of the problem.
-        over: uses over a band of arms, where there is one.
-    """
-    found = condensed(row for row in rows if _is_crest(row) and row.id in backoff)
-    added = {row.id: max(over.get(row.id, 0.0) - row.use, 0.0) for row in found}
-    return {row.id: relaxed_second_order(backoff[row.id], *_parts(row), added[row.id]) for row in found}
-
-
-def growths_by_order(rows: Iterable[Row]) -> dict[RowId, float]:
-    """Of the heights of second order by how much more they fall than the linear heights that problems have."""
-    return {row.id: growth_by_order(*_parts(row)) for row in condensed(filter(_is_crest, rows))}
-
-
-def _is_crest(row: Row) -> bool:
-    """Whether it is about a height of second order during the motion, which back-off lowers."""
-    return row.linear_value is not None and not row.at_end
-
-
-def _parts(row: Row) -> tuple[float, float]:
-    """Linear height and height of second order of a row, as parts of its limit."""
-    assert row.linear_value is not None
-    return row.linear_value / row.size, row.worst_value / row.size
-
-
-def uses_of(rows: Iterable[Row]) -> dict[RowId, float]:
-    """The largest use of each row."""
-    uses: dict[RowId, float] = {}
-    for row in rows:
-        uses[row.id] = max(row.use, uses.get(row.id, 0.0))
-    return uses
 
 
 def _variant(row: Row) -> VariantId:

@@ -26,7 +26,7 @@ from nospill.planning.driven_waves import (
     smooth_enough,
     steadier_backoff,
 )
-from nospill.planning.members import (
+from nospill.planning.row_backoff import (
     crests_of,
     growths_by_order,
     relaxed_by_order,
@@ -58,6 +58,8 @@ _SLIGHT = 5e-3
 """Part of a limit by which what is not in the problem may exceed it before it joins: a larger problem costs more."""
 _SLIGHT_OF_REFINED = 0.5
 """The same once liquids are in it with several modes, where a variant more costs as much as three."""
+_FEW = 0.25
+"""Part of the members that join, up to which they are few."""
 _OF_LAW = 5e-3
 """Part of its limit by which the linear part of a height may exceed what a problem leaves to it before modes join."""
 _FAR = 0.05
@@ -162,12 +164,13 @@ def _after_stated(active: ActiveSet, judgement: Judgement, slack: Mapping[RowId,
     rows = [by_modes(row) for row in found]
     smooth, uses = active.smoothed(found), uses_of(active.on_members(rows, own=True))
     at_end = {row: use for row, use in uses.items() if row.constraint in END_NAMES and row not in active.by_flow}
-    over = beyond_backoff(at_end, active.backoff, active.excess) if active.refined else 0.0
+    slowed = active.membership.slowest < 1.0  # of many speeds the worst is now one, now another: none is stuck
+    over = beyond_backoff(at_end, active.backoff, 0.0 if slowed else active.excess) if active.refined else 0.0
     return (
         _with_modes(active, rows, judgement)
         or _with_more_modes(active, over, judgement)
         or _with_heavier_jerks(active, smooth.as_smooth_as(active.smoothness.heavier(OTHER_MODES, over)), rows)
-        or _with_members(active, rows, judgement)
+        or _with_members(active, rows, judgement, slack)
         or _tightened(active, smooth, rows, uses, judgement, slack)
     )
 
@@ -182,9 +185,12 @@ def _with_modes(active: ActiveSet, rows: Sequence[Row], judgement: Judgement) ->
 
 
 def _with_more_modes(active: ActiveSet, over: float, judgement: Judgement) -> ActiveSet | None:
-    """With twice the modes, where those left out swing a little too far at the end; else none."""
+    """With twice the modes, where those left out swing a little too far at the end; else none.
+
+    None where liquids are slowed: of dozens of members that makes a problem twice as large for one of them.
+    """
     modes = min(2 * active.modes, _MOST_MODES, active.task.scene.slosh_modes)
-    if not (1.0 < over <= ROUGH and modes > active.modes):
+    if not (1.0 < over <= ROUGH and modes > active.modes) or active.membership.slowest < 1.0:
         return None
     kept = {row: value for row, value in active.backoff.items() if row not in active.on_final_state}
     return replace(active, modes=modes, backoff=kept).joined(active.members, active.refined, judgement)
@@ -206,13 +212,23 @@ def _with_heavier_jerks(active: ActiveSet, smooth: ActiveSet, rows: Sequence[Row
     return None if smooth.smoothness is active.smoothness else smooth
 
 
-def _with_members(active: ActiveSet, rows: Sequence[Row], judgement: Judgement) -> ActiveSet | None:
-    """With the worst variants that are not in the problem; none where these keep their limits."""
+def _with_members(
+    active: ActiveSet, rows: Sequence[Row], judgement: Judgement, slack: Mapping[RowId, float]
+) -> ActiveSet | None:
+    """With the worst variants that are not in the problem; none where these keep their limits.
+
+    Over a range of speeds, where every round is a verdict at all of them, members get a larger back-off at once where
+    few join: those change their motion little.
+    """
     refined = active.refined
     outside = active.outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
     if not outside:
         return None
-    return active.joined(active.members | outside, refined | {name for name, _ in outside if refined}, judgement)
+    joined = active.joined(active.members | outside, refined | {name for name, _ in outside if refined}, judgement)
+    if not active.task.scene.motion.speeds or len(outside) > _FEW * len(active.members):
+        return joined
+    broken = [row for row in active.on_members(rows, own=True) if row.shortfall > 0.0]
+    return joined.with_backoff(tightened(broken, active.rows, active.backoff, slack, active.crests)[0])
 
 
 def _tightened(

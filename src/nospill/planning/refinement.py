@@ -6,6 +6,7 @@ import math
 from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 
 from nospill import diagnosis
 from nospill.certification.certificate import Judgement, judge_motion
@@ -21,7 +22,7 @@ from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, exported, problem_about, solved
 from nospill.planning.log import Log
 from nospill.planning.next_set import lighten, next_set, relax
-from nospill.planning.widest_range import holds_from, holds_further
+from nospill.planning.widest_range import broken_speeds, holds_from, holds_further
 from nospill.transcription.export_samples import on_grid
 from nospill.transcription.passages import bounded_as
 from nospill.transcription.resampling import fine_intervals
@@ -65,6 +66,8 @@ _LIGHTENED = 3
 """Times that a certified motion over a band gets back what it does not need, at most."""
 _NEARLY_ALIKE = 2.5
 """Ratio of the weights of the jerks with which multipliers are worth a start, between problems with margins."""
+_FEW_SPEEDS = 12
+"""Speeds that broke a limit up to which they are looked at before all others: more ask for members from all of them."""
 _SLOWEST = 4.0
 """Times as slow as a motion is made at most, from which members or modes did not join."""
 
@@ -269,7 +272,7 @@ def _refine_until_certified(
         if better.stages.duration >= below:
             break
         try:
-            following = _judge(better, log, else_from=start)
+            following = _judge(better, log, else_from=start, before=judged.judgement)
         except NoSolutionError:
             break  # of a motion that cannot be played nothing is known: the one before stands
         if certified and not following.judgement.certificate.ok:
@@ -282,17 +285,23 @@ def _refine_until_certified(
     return furthest
 
 
-def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> Judged:
-    """The certificate of a candidate; one that leaves the arm's reach is solved again from a motion that does not."""
+def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None, before: Judgement | None = None) -> Judged:
+    """The certificate of a candidate; one that leaves the arm's reach is solved again from a motion that does not.
+
+    Where it ends at a first look, that is at the few speeds that broke a limit in the verdict before.
+    """
     scene, stages = candidate.active.task.scene, candidate.stages
     try:
         with log.phase("export"):
             trajectory = exported(candidate)
         with log.phase("certify"):
             looked_at = candidate.active.task.judged_scene(candidate.active.refined)
-            judgement = judge_motion(
-                trajectory, looked_at, corners=broken_or_corner_traces, over_band=broken_or_band_of
+            first_looks = partial(
+                broken_or_corner_traces,
+                slowest=candidate.active.membership.slowest,
+                again=() if before is None else _looked_at_again(candidate.active, before),
             )
+            judgement = judge_motion(trajectory, looked_at, corners=first_looks, over_band=broken_or_band_of)
             if judgement.leaves_margin and looked_at is not scene:
                 judgement = judge_motion(trajectory, scene)
             slosh = judged_tracks(trajectory, scene, judgement.replay, judgement.traces)
@@ -303,6 +312,16 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None) -> J
         if again is not None:
             return _judge(again, log)
         raise diagnosis.not_playable(scene, stages.duration, stages.intervals, error) from None
+
+
+def _looked_at_again(active: ActiveSet, before: Judgement) -> Collection[float]:
+    """The few speeds that broke a limit in the verdict before, for a first look.
+
+    None before a problem holds liquids nearly as slow as the range goes: back-off is not taken back where members at
+    lower speeds make it needless.
+    """
+    asked, broken = active.task.scene.motion.speed_range, broken_speeds(before, active.task)
+    return broken if asked and len(broken) <= _FEW_SPEEDS and active.membership.slowest < 2.0 * asked[0] else ()
 
 
 def _at_least(before: Candidate, active: ActiveSet) -> float:

@@ -27,6 +27,8 @@ half of that is added."""
 _SLIGHTLY_OVER, _BY_SECANT = 0.004, 5.0
 """Part of a limit of second order by which a height is over it at most where a secant is asked, and how many times the
 step of the law it may take."""
+_SLIGHTLY_AT_END = 0.05
+"""The same of a height after the end by its modes alone."""
 _WELL_BELOW = 0.95
 """Use of such a limit below which a certified motion gets back-off back."""
 _DRIVEN_BY_TURNS, _SCATTER = 2.0, 0.02
@@ -43,7 +45,9 @@ _MOST_ROOM = 0.85
 """Most back-off that this makes of it."""
 
 
-def tightened_backoff(backoff: float, excess: float, unused: float, *, at_end: bool) -> float:
+def tightened_backoff(
+    backoff: float, excess: float, unused: float, *, at_end: bool, before: tuple[float, float] | None = None
+) -> float:
     """Back-off of a row for the next problem, a fraction of its budget below 1.
 
     Args:
@@ -51,10 +55,17 @@ def tightened_backoff(backoff: float, excess: float, unused: float, *, at_end: b
         excess: by which the judged motion exceeds the limit, as a fraction of it.
         unused: fraction of the budget that the last answer left unused, which the judge found used all the same.
         at_end: whether the row is about the final state. What that is allowed may change at once.
+        before: of such a row, back-off of the problem before that, and the height that its answer had, over the limit.
+            Where the step between them left most of a small excess, since modes outside the problem hardly fall with
+            it, the secant asks for more.
     """
     most = _MOST_AT_END if at_end else _MOST
-    step = min(_MORE * excess + _LEAST, most)
-    return backoff + min(step + max(0.0, unused) / 2, (1.0 - backoff) / 2)  # of a cone it is a difference of squares
+    step = min(_MORE * excess + _LEAST, most) + max(0.0, unused) / 2
+    if before is not None and backoff > before[0] and is_stuck(excess, before[1] - 1.0) and excess < _SLIGHTLY_AT_END:
+        fall = (before[1] - 1.0 - excess) / (backoff - before[0])
+        longest = _BY_SECANT * step
+        step = max(step, longest if fall * longest < excess else excess / fall)
+    return backoff + min(step, (1.0 - backoff) / 2)  # of a cone it is a difference of squares
 
 
 def second_order_backoff(

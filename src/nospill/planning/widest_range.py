@@ -33,6 +33,12 @@ def holds_from(judgement: Judgement, task: Task) -> float | None:
     return next((speed for speed in grid if speed > worst and speed <= rules.speed_range[1]), None)
 
 
+def broken_speeds(judgement: Judgement, task: Task) -> frozenset[float]:
+    """Speeds looked at, parts of the planned one, at which a row of an object is broken."""
+    broken = (row for row in judgement.variant_rows if row.of_object and not row.ok)
+    return frozenset(task.speeds.get((row.subject, row.variant), 1.0) for row in broken)
+
+
 def holds_further(judgement: Judgement, other: Judgement, task: Task) -> bool:
     """Whether a motion holds further down the range than another, or does at all."""
     ours, theirs = holds_from(judgement, task), holds_from(other, task)

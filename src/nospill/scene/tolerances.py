@@ -47,11 +47,13 @@ class Corner:
         scene: the scene.
         texts: perturbation in words, by object; objects all of whose variants have occurred before are left out.
         speed: part of its speed at which the motion is played.
+        number: which of their variants the objects are in, the same at every speed.
     """
 
     scene: Scene
     texts: Mapping[str, str]
     speed: float = 1.0
+    number: int = 0
 
 
 def corner_scenes(scene: Scene) -> Iterator[Corner]:
@@ -68,7 +70,7 @@ def corner_scenes(scene: Scene) -> Iterator[Corner]:
             )
             texts = {variants[number].name: variants[number].text for variants in families if number < len(variants)}
             same = all(variants is stated for variants, stated in zip(chosen, scene.cargo, strict=True))
-            yield Corner(scene if same else replace(scene, cargo=chosen), texts, speed)
+            yield Corner(scene if same else replace(scene, cargo=chosen), texts, speed, number)
 
 
 def heaviest(scene: Scene) -> tuple[Cargo, ...]:
