@@ -21,9 +21,7 @@ def candidate(name: str) -> Any:
     stages = SimpleNamespace(name=name, duration=1.0, intervals=10)
     scene = SimpleNamespace(motion=SimpleNamespace(speed_range=None), tracking=None)
     task = SimpleNamespace(scene=scene, judged_scene=lambda _: scene)
-    members = SimpleNamespace(slowest=1.0)
-    active = SimpleNamespace(task=task, refined=frozenset(), membership=members)
-    return SimpleNamespace(stages=stages, active=active)
+    return SimpleNamespace(stages=stages, active=SimpleNamespace(task=task, refined=frozenset()))
 
 
 @pytest.mark.parametrize("bounded", [True, False], ids=["solved with it bounded", "not solved"])

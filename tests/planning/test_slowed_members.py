@@ -62,17 +62,6 @@ def test_of_many_speeds_no_row_is_stuck_and_no_modes_join(task: Task) -> None:
     assert (heavier.modes, heavier.smoothness.factor) == (3, 2.0)
 
 
-@pytest.mark.parametrize("few", [True, False])
-def test_where_few_join_members_get_their_back_off_at_once(task: Task, few: bool) -> None:
-    active = with_cups(task, *((0.95, 0.9, 0.85, 0.8, 0.75, 0.7) if few else (0.9,)))
-    joining = {at(task, 0.6)} if few else {at(task, 0.5), at(task, 0.65)}
-    over = [("residual height", item, 1.8) for item in sorted(joining)]
-    after = next_set(active, judgement(("slosh height", ("cup", ""), 1.01), *over))
-    assert after.members == active.members | joining
-    key = RowId("slosh height", "cup")
-    assert (after.backoff[key] > active.backoff[key]) == few
-
-
 def test_rows_at_the_planned_speed_are_of_members_that_move_so_fast() -> None:
     """Half of what a slowed member has left would be kept back of it, for nothing."""
     scene = read_scenario("matrix-liquid-tilt-robust").changed({"motion.speed_range": [0.5, 1.0]})

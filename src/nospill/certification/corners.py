@@ -42,12 +42,8 @@ _FIRST_LOOKS = (3, 1)
 """Of so many speeds of the grid one is looked at first, and then, with the liquids integrated once: steps of three of
 them determine the modes that problems have."""
 
-_FURTHER = math.sqrt(2.0)
-"""Ratio of the speeds at both ends of a part of the range that is looked at where the parts above it hold."""
-
-_MUCH = 0.5
-"""Part of a limit; where one is broken by more, liquids join a problem, and those at lower speeds are looked at after
-that. What is broken by less is kept by back-off, with a view of the whole range."""
+_LEFT = 0.005
+"""Part of a limit that a first look leaves, or less, where the judge begins."""
 
 _LIQUIDS_OFF, _CONTACTS_OFF = 1e-3, 0.02
 """Parts of a limit by which uses of these looks are off at most (1.4e-4 and 0.016 seen)."""
@@ -78,7 +74,21 @@ def corner_traces(
         rate: Hz, the least rate of the grid.
         played: the replay of the scene as stated; with it, joint torques under the worst load too.
     """
-    corners, uses = list(_of_outer_objects(corner_scenes(scene))), dict[_RowOfVariant, dict[float, float]]()
+    yield from _judged(list(_of_outer_objects(corner_scenes(scene))), trajectory, scene, motion, rate, played)
+
+
+def _judged(
+    corners: Sequence[Corner],
+    trajectory: Trajectory,
+    scene: Scene,
+    motion: JointMotion | None,
+    rate: float,
+    played: Replay | None,
+    *,
+    near: Collection[tuple[float, int]] = (),
+) -> Iterator[Trace]:
+    """`corner_traces` of these; none of the others where those of speed and number in `near` break a limit."""
+    uses = dict[_RowOfVariant, dict[float, float]]()
 
     def looked_at(some: Iterable[Corner]) -> Iterator[Trace]:
         for corner in some:
@@ -87,10 +97,15 @@ def corner_traces(
                 use[corner.speed] = max(use.get(corner.speed, 0.0), float(np.max(trace.use)))
                 yield trace
 
-    yield from looked_at(corners)
-    if max((max(use.values()) for use in uses.values()), default=0.0) < 1.0 + _BROKEN:
-        for between in (closer, *_LOOKS * (vertices,)):
-            yield from looked_at(_at_speeds(corners, uses, between))
+    def most() -> float:
+        return max((max(use.values()) for use in uses.values()), default=0.0)
+
+    yield from looked_at(corner for corner in corners if (corner.speed, corner.number) in near)
+    if most() <= 1.0:
+        yield from looked_at(corner for corner in corners if (corner.speed, corner.number) not in near)
+        if most() < 1.0 + _BROKEN:
+            for between in (closer, *_LOOKS * (vertices,)):
+                yield from looked_at(_at_speeds(corners, uses, between))
     yield from _of_loads(trajectory, scene, motion, rate, played)
 
 
@@ -101,13 +116,12 @@ def broken_or_corner_traces(
     rate: float,
     played: Replay | None,
     *,
-    slowest: float = 0.0,
     again: Collection[float] = (),
 ) -> Iterator[Trace]:
     """`corner_traces` for a motion under planning: where a first look breaks a limit, what that found, else all of it.
 
-    Such looks are at speeds of the grid, with the liquids integrated once; at solids of the least speed at once. Other
-    arguments as there.
+    Such looks are at speeds of the grid, with the liquids integrated once. What comes nearest to a limit there is
+    judged before the rest. Other arguments as there.
 
     Args:
         record: the motion.
@@ -115,56 +129,34 @@ def broken_or_corner_traces(
         motion: as there.
         rate: as there.
         played: as there.
-        slowest: part of the planned speed of the slowest liquid in the problem, as `_first_looks` has it.
         again: speeds of the grid that are looked at before all others.
     """
-    corners, found, least = list(_of_outer_objects(corner_scenes(scene))), list[Trace](), set(scene.motion.speeds[-1:])
-    for parts in _first_looks(scene.motion.speeds, slowest, again):
-        for part in parts:
-            chosen = [corner for corner in corners if corner.speed in part]
-            if least.isdisjoint(part):
-                chosen += _of_solids(corner for corner in corners if corner.speed in least)
-                least = set()
-            for corner in chosen:
-                found += map(_fullest_instant, _corner_traces(record, corner, motion, rate, _slow_down_roughly))
-            if any(_is_broken(trace, _MUCH) for trace in found):
-                break
+    corners, found, near = list(_of_outer_objects(corner_scenes(scene))), list[Trace](), set[tuple[float, int]]()
+    for look in _first_looks(scene.motion.speeds, again):
+        for corner in (own for own in corners if own.speed in look):
+            traces = [*map(_fullest_instant, _corner_traces(record, corner, motion, rate, _slow_down_roughly))]
+            if any(float(trace.use[0]) > 1.0 - _LEFT for trace in traces):
+                near.add((corner.speed, corner.number))
+            found += traces
         if any(map(_is_broken, found)):
             yield from found
             yield from _of_loads(record, scene, motion, rate, played)
             return
-    yield from corner_traces(record, scene, motion, rate, played)
+    yield from _judged(corners, record, scene, motion, rate, played, near=near)
 
 
-def _first_looks(speeds: Sequence[float], slowest: float, again: Collection[float]) -> list[list[set[float]]]:
-    """The speeds of each look, one for when those before it hold: at `again`, at every third speed, at all.
-
-    Each in parts of the range from the planned speed downwards, where those above break nothing by much: first down to
-    a little below `slowest`.
-    """
-    looks, seen = [[set(again)]] if again else [], set(again)
+def _first_looks(speeds: Sequence[float], again: Collection[float]) -> list[set[float]]:
+    """The speeds of each look, one for when those before it hold: `again`, every third speed and both ends, all."""
+    looks = [set(again)]
     for every in _FIRST_LOOKS if speeds else ():
-        left, end = {1.0, *speeds[::every], speeds[-1]} - seen, slowest / _FURTHER
-        seen |= left
-        looks.append([])
-        while left:
-            looks[-1].append({speed for speed in left if speed >= end})
-            left, end = {speed for speed in left if speed < end}, end / _FURTHER
+        looks.append({1.0, *speeds[::every], speeds[-1]}.difference(*looks))
     return looks
 
 
-def _of_solids(corners: Iterable[Corner]) -> Iterator[Corner]:
-    """Those of objects in which nothing swings."""
-    for corner in corners:
-        cargo = tuple(item for item in corner.scene.cargo if not item.oscillators)
-        if cargo:
-            yield replace(corner, scene=replace(corner.scene, cargo=cargo))
-
-
-def _is_broken(trace: Trace, by: float = 0.0) -> bool:
+def _is_broken(trace: Trace) -> bool:
     """Whether a limit is broken whatever a first look is off by; what is no number is left to the judge."""
     off = _LIQUIDS_OFF if trace.known is not None and trace.known.role is Role.LIQUID else _CONTACTS_OFF
-    return 1.0 + max(off, by) < float(trace.use[0]) < math.inf
+    return 1.0 + off < float(trace.use[0]) < math.inf
 
 
 def _fullest_instant(trace: Trace) -> Trace:

@@ -58,8 +58,6 @@ _SLIGHT = 5e-3
 """Part of a limit by which what is not in the problem may exceed it before it joins: a larger problem costs more."""
 _SLIGHT_OF_REFINED = 0.5
 """The same once liquids are in it with several modes, where a variant more costs as much as three."""
-_FEW = 0.25
-"""Part of the members that join, up to which they are few."""
 _OF_LAW = 5e-3
 """Part of its limit by which the linear part of a height may exceed what a problem leaves to it before modes join."""
 _FAR = 0.05
@@ -170,7 +168,7 @@ def _after_stated(active: ActiveSet, judgement: Judgement, slack: Mapping[RowId,
         _with_modes(active, rows, judgement)
         or _with_more_modes(active, over, judgement)
         or _with_heavier_jerks(active, smooth.as_smooth_as(active.smoothness.heavier(OTHER_MODES, over)), rows)
-        or _with_members(active, rows, judgement, slack)
+        or _with_members(active, rows, judgement)
         or _tightened(active, smooth, rows, uses, judgement, slack)
     )
 
@@ -212,23 +210,13 @@ def _with_heavier_jerks(active: ActiveSet, smooth: ActiveSet, rows: Sequence[Row
     return None if smooth.smoothness is active.smoothness else smooth
 
 
-def _with_members(
-    active: ActiveSet, rows: Sequence[Row], judgement: Judgement, slack: Mapping[RowId, float]
-) -> ActiveSet | None:
-    """With the worst variants that are not in the problem; none where these keep their limits.
-
-    Over a range of speeds, where every round is a verdict at all of them, members get a larger back-off at once where
-    few join: those change their motion little.
-    """
+def _with_members(active: ActiveSet, rows: Sequence[Row], judgement: Judgement) -> ActiveSet | None:
+    """With the worst variants that are not in the problem; none where these keep their limits."""
     refined = active.refined
     outside = active.outside(rows, 1.0 + (_SLIGHT_OF_REFINED if refined else _SLIGHT), judgement)
     if not outside:
         return None
-    joined = active.joined(active.members | outside, refined | {name for name, _ in outside if refined}, judgement)
-    if not active.task.scene.motion.speeds or len(outside) > _FEW * len(active.members):
-        return joined
-    broken = [row for row in active.on_members(rows, own=True) if row.shortfall > 0.0]
-    return joined.with_backoff(tightened(broken, active.rows, active.backoff, slack, active.crests)[0])
+    return active.joined(active.members | outside, refined | {name for name, _ in outside if refined}, judgement)
 
 
 def _tightened(

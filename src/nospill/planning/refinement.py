@@ -278,6 +278,8 @@ def _refine_until_certified(
         if certified and not following.judgement.certificate.ok:
             break
         judged = following
+        if certified and judged.candidate.active.task.scene.motion.speeds:
+            break  # what a finer grid may find is little, and a verdict at all speeds takes long
         if holds_further(judged.judgement, furthest.judgement, judged.candidate.active.task):
             furthest = judged
     if judged.judgement.certificate.ok or holds_from(furthest.judgement, furthest.candidate.active.task) is None:
@@ -296,11 +298,8 @@ def _judge(candidate: Candidate, log: Log, else_from: Stages | None = None, befo
             trajectory = exported(candidate)
         with log.phase("certify"):
             looked_at = candidate.active.task.judged_scene(candidate.active.refined)
-            first_looks = partial(
-                broken_or_corner_traces,
-                slowest=candidate.active.membership.slowest,
-                again=() if before is None else _looked_at_again(candidate.active, before),
-            )
+            again = () if before is None else _looked_at_again(candidate.active, before)
+            first_looks = partial(broken_or_corner_traces, again=again)
             judgement = judge_motion(trajectory, looked_at, corners=first_looks, over_band=broken_or_band_of)
             if judgement.leaves_margin and looked_at is not scene:
                 judgement = judge_motion(trajectory, scene)
