@@ -12,7 +12,9 @@ import pytest
 from nospill.certification.certificate import Judgement
 from nospill.certification.verdict import Certificate, Row
 from nospill.laws.constraints.base import RowId
+from nospill.planning import refinement
 from nospill.planning.active_set import ActiveSet
+from nospill.planning.log import Log
 from nospill.planning.next_set import next_set
 from nospill.planning.row_backoff import crests_of, tightened
 from nospill.planning.task import Task
@@ -97,6 +99,30 @@ def test_what_falls_as_the_law_says_is_not_tightened_further() -> None:
     backoff, before = {key: 0.05}, {key: (0.0, 1.05)}
     row = Row(*key, "m", 1.0, 1.01, -0.01, 0.0, False)
     assert tightened([row], [key], backoff, {}, before) == tightened([row], [key], backoff, {})
+
+
+@pytest.mark.parametrize(("speeds", "rounds"), [((), 8), ((0.9, 0.8), 1)])
+def test_a_certified_motion_over_a_range_is_solved_once_more(
+    monkeypatch: pytest.MonkeyPatch, speeds: tuple[float, ...], rounds: int
+) -> None:
+    """For what a finer grid may find; as often as it takes where no verdict is one at many speeds."""
+    scene: Any = SimpleNamespace(tracking=None, motion=SimpleNamespace(speeds=speeds, speed_range=None))
+
+    def candidate() -> Any:
+        same = SimpleNamespace(factor=1.0)
+        active = SimpleNamespace(task=SimpleNamespace(scene=scene), scene=scene, margins={}, smoothness=same)
+        solution, stages = SimpleNamespace(slack={}), SimpleNamespace(duration=1.0)
+        return SimpleNamespace(active=active, solution=solution, stages=stages)
+
+    verdict: Any = SimpleNamespace(certificate=SimpleNamespace(ok=True), leaves_margin=False)
+    record: Any = SimpleNamespace(end_time=1.0)
+    monkeypatch.setattr(refinement, "_judge", lambda one, *_, **__: refinement.Judged(one, record, verdict))
+    monkeypatch.setattr(refinement, "next_set", lambda active, *_: SimpleNamespace(**vars(active)))
+    monkeypatch.setattr(refinement, "_at_least", lambda *_: 1.0)
+    monkeypatch.setattr(refinement, "_tighten", lambda *_, **__: candidate())
+    log = Log(None, 60.0)
+    assert refinement._refine_until_certified(candidate(), log).judgement is verdict
+    assert log.rounds == rounds
 
 
 def test_broken_speeds_are_those_of_objects(task: Task) -> None:
