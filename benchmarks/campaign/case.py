@@ -31,8 +31,9 @@ from nospill.planning.active_set import Task
 from nospill.planning.attempts import STEP_BY_STEP, Attempt
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log
-from nospill.planning.refinement import Judged, certify_by_refinement
+from nospill.planning.refinement import Judged
 from nospill.planning.search import PassageSearch, best_of, find_motion, passage_searches
+from nospill.planning.shortening import certify_by_refinement
 from nospill.plans.plan import Plan
 from nospill.plans.rows import seam_fault, with_residual_slosh
 from nospill.robots.joint_paths.search import joint_paths, preferred_path

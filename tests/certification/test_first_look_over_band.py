@@ -14,10 +14,11 @@ from nospill.certification import tracking_band
 from nospill.certification.certificate import Judgement, judge_motion
 from nospill.certification.tracking_band import broken_or_band_of
 from nospill.errors import ModelError
-from nospill.planning import refinement
+from nospill.planning import shortening
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log
-from nospill.planning.refinement import Judged, _with_whole_verdict
+from nospill.planning.refinement import Judged
+from nospill.planning.shortening import _with_whole_verdict
 from nospill.scene.scene import Scene
 from tests.motions import SmoothMotion
 
@@ -101,5 +102,5 @@ def test_what_a_first_look_broke_stands_where_an_arm_has_no_answer(
     broken = replace(first, certificate=replace(first.certificate, ok=False))
     candidate = SimpleNamespace(active=SimpleNamespace(task=SimpleNamespace(scene=scene)))
     judged = Judged(cast(Candidate, candidate), motion.trajectory, broken)
-    monkeypatch.setattr(refinement, "judge_motion", no_answer)
+    monkeypatch.setattr(shortening, "judge_motion", no_answer)
     assert _with_whole_verdict(judged, Log(None, 60.0)) is judged

@@ -21,7 +21,8 @@ from nospill.certification.verdict import Row
 from nospill.laws.constraints import BY_NAME
 from nospill.laws.constraints.base import Role, RowId
 from nospill.planning.log import Log
-from nospill.planning.refinement import Judged, _with_whole_verdict
+from nospill.planning.refinement import Judged
+from nospill.planning.shortening import _with_whole_verdict
 from nospill.planning.worst_speeds import adjacent_members, evenly, peaks
 from nospill.scene.cargo import Tolerance
 from nospill.scene.scene import SPEED_STEP

@@ -22,7 +22,8 @@ from nospill.planning.candidate import problem_about
 from nospill.planning.log import Log
 from nospill.planning.next_set import next_set
 from nospill.planning.planner import plan
-from nospill.planning.refinement import certify_by_refinement, solve_from, start_from
+from nospill.planning.refinement import solve_from, start_from
+from nospill.planning.shortening import certify_by_refinement
 from nospill.planning.task import Task
 from nospill.scenario import read_scenario, scene_from_table
 from nospill.scene.scene import Scene

@@ -1,4 +1,4 @@
-"""Crests get back-off back where back-off lowers what the flow leaves after the end no further."""
+"""Crests get back-off back, and jerks weigh less, by what the flow leaves after the end."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from nospill.certification.certificate import Judgement
 from nospill.certification.verdict import Certificate, Row
 from nospill.laws.constraints.base import RowId
 from nospill.planning.active_set import ActiveSet
-from nospill.planning.next_set import next_set
+from nospill.planning.next_set import lighten_by_flow, next_set, relax, relax_within_flow
+from nospill.planning.smoothness import Smoothness
 from nospill.planning.task import Task
 from nospill.scenario import read_scenario
 
@@ -79,3 +80,31 @@ def test_of_linear_heights_none_does(active: ActiveSet) -> None:
     assert not begun.driven
     stuck = _after(replace(begun, excess=0.1), 1.09)
     assert stuck.backoff.get(_CREST, 0.35) >= 0.35
+
+
+def _holds(left: float, crest: float = 0.6, subject: str = "cup") -> Judgement:
+    """A motion that holds and leaves this."""
+    return _judged([_row("residual height", subject, left), _row("slosh height", subject, crest, 0.9 * crest)])
+
+
+def test_jerks_weigh_less_where_the_flow_leaves_far_less_than_its_limit(active: ActiveSet) -> None:
+    heavy = replace(active, smoothness=Smoothness(10.0))
+    assert lighten_by_flow(heavy, _holds(0.45)).smoothness.factor == pytest.approx(2.5, rel=2e-3)  # as (0.45 / 0.9)^2
+    assert lighten_by_flow(heavy, _holds(0.1)).smoothness.factor == pytest.approx(2.0)
+    assert lighten_by_flow(heavy, _holds(0.8)) is heavy  # what that promises is not worth a solve
+    assert lighten_by_flow(active, _holds(0.3)) is active  # as stated already
+    assert lighten_by_flow(heavy, _holds(0.3, subject="bottle")) is heavy  # of no liquid that the flow follows
+
+
+def test_over_a_range_of_speeds_they_do_not(active: ActiveSet) -> None:
+    scene = read_scenario("mixed-tray").changed({"motion.speed_range": ["50 %", "100 %"]})
+    heavy = replace(active, task=Task.of(scene), smoothness=Smoothness(10.0))
+    assert lighten_by_flow(heavy, _holds(0.3)) is heavy
+
+
+def test_in_a_loop_crests_get_back_what_the_flow_allows(active: ActiveSet) -> None:
+    heavy = replace(active, smoothness=Smoothness(10.0))
+    for left, as_much in ((0.97, False), (0.2, True)):
+        within, most = (law(heavy, _holds(left)).backoff[_CREST] for law in (relax_within_flow, relax))
+        assert most < 0.25 and (within == most) == as_much
+        assert within <= active.backoff[_CREST]

@@ -20,7 +20,8 @@ from nospill.planning import planner
 from nospill.planning.candidate import Candidate
 from nospill.planning.log import Log
 from nospill.planning.planner import Planner, PlanningProgress, plan
-from nospill.planning.refinement import Judged, certify_by_refinement
+from nospill.planning.refinement import Judged
+from nospill.planning.shortening import certify_by_refinement
 from nospill.plans.loading import load_plan
 from nospill.plans.plan import Plan
 from nospill.robots.description.urdf_tree import rotation_of

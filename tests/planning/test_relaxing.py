@@ -8,13 +8,14 @@ from dataclasses import replace
 import pytest
 
 from nospill.laws.constraints.base import RowId
-from nospill.planning import refinement
+from nospill.planning import refinement, shortening
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, solved
 from nospill.planning.log import Log
 from nospill.planning.next_set import next_set
 from nospill.planning.planner import plan
-from nospill.planning.refinement import Judged, certify_by_refinement, solve_from, start_from
+from nospill.planning.refinement import Judged, solve_from, start_from
+from nospill.planning.shortening import certify_by_refinement
 from nospill.planning.task import Task
 from nospill.planning.tightening import relaxed_backoff
 from nospill.scene.scene import Scene
@@ -77,7 +78,7 @@ def test_what_less_back_off_saves_is_predicted(begun: Begun) -> None:
 @pytest.mark.slow
 def test_of_two_motions_only_a_certified_one_counts(begun: Begun, monkeypatch: pytest.MonkeyPatch) -> None:
     candidate, _, log = begun
-    refined = refinement._refine_until_certified
+    refined = refinement.refine_until_certified
     answers: list[Judged] = []
 
     def broken_the_second_time(candidate: Candidate, log: Log, **limits: float) -> Judged:
@@ -86,7 +87,7 @@ def test_of_two_motions_only_a_certified_one_counts(begun: Begun, monkeypatch: p
         answers.append(replace(found, judgement=replace(found.judgement, certificate=verdict)))
         return answers[-1]
 
-    monkeypatch.setattr(refinement, "_refine_until_certified", broken_the_second_time)
+    monkeypatch.setattr(shortening, "refine_until_certified", broken_the_second_time)
     assert certify_by_refinement(candidate, log) is answers[0]
     assert len(answers) == 2 and answers[1].trajectory.end_time < answers[0].trajectory.end_time
 
@@ -102,13 +103,13 @@ def test_a_motion_as_long_as_another_is_not_tightened(begun: Begun) -> None:
     rough = solved(active, candidate.stages, log, near_optimum(1e-5, 100))
     assert rough.has_converged
     before = log.rounds
-    given_up = refinement._refine_until_certified(rough, log, below=0.5 * duration)
+    given_up = refinement.refine_until_certified(rough, log, below=0.5 * duration)
     assert not given_up.judgement.certificate.ok and given_up.candidate is rough and log.rounds == before
-    finished = refinement._refine_until_certified(rough, log, below=2.0 * duration)
+    finished = refinement.refine_until_certified(rough, log, below=2.0 * duration)
     assert finished.judgement.certificate.ok and log.rounds > before
     assert finished.trajectory.end_time > given_up.trajectory.end_time
     promised = refinement._at_least(rough, next_set(rough.active, given_up.judgement, rough.solution.slack))
     assert rough.stages.duration < promised < finished.trajectory.end_time
     rounds = log.rounds
-    unsolved = refinement._refine_until_certified(rough, log, below=promised - 1e-6)
+    unsolved = refinement.refine_until_certified(rough, log, below=promised - 1e-6)
     assert unsolved.candidate is rough and log.rounds == rounds

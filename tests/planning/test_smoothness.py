@@ -73,3 +73,20 @@ def test_where_joints_ring_they_rise_half_way_to_those_of_a_motion_that_held() -
 def test_waves_that_become_states_begin_with_less() -> None:
     assert AS_STATED.with_waves_as_states == AS_STATED
     assert 1.0 < Smoothness(100.0).with_waves_as_states.factor < 10.0
+
+
+def test_they_fall_as_they_rose_where_the_flow_leaves_little() -> None:
+    risen = Smoothness(4.0).heavier(FLOW, 1.5)
+    assert risen.factor == pytest.approx(4.0 * 1.5**2)
+    assert risen.lighter(FLOW, 1 / 1.5).factor == pytest.approx(4.0)
+    assert Smoothness(20.0).lighter(FLOW, 0.1).factor == pytest.approx(4.0)  # no further in a round
+    assert risen.lighter(FLOW, 1.0) == risen
+
+
+def test_along_a_moved_way_they_do_not_add_up() -> None:
+    """Raised fivefold for every goal of a loop, weights stay below twenty times those stated."""
+    smooth = AS_STATED
+    for _ in range(50):
+        smooth = Smoothness(5.0 * smooth.elsewhere.factor)
+    assert 5.0 < smooth.factor < 20.0
+    assert AS_STATED.elsewhere == AS_STATED

@@ -15,6 +15,8 @@ from nospill.laws.constraints.base import OF_OBJECTS, Constraint, EvaluationPoin
 from nospill.laws.constraints.clearance import Clearance
 from nospill.scene.limits import LimitRecord
 
+_ALIKE = 9
+"""Digits to which uses are compared: of alike ones the first is named on every machine, however it rounds its sums."""
 APPROACH = "approach "
 """What the constraints of the rows about the approach begin with."""
 
@@ -128,7 +130,7 @@ class Row:
 
 
 def _urgency(row: Row) -> tuple[bool, float]:
-    return not row.ok, row.use
+    return not row.ok, round(row.use, _ALIKE)
 
 
 def _fullest_of_each(rows: Iterable[Row]) -> tuple[Row, ...]:

@@ -55,6 +55,11 @@ def beyond_backoff_of_flow(rows: Iterable[Row], driven: Collection[str], backoff
     return max((use for use, kept in uses if use > _NEARLY or (use > 1.0 and kept > _SPENT)), default=0.0)
 
 
+def most_left(rows: Iterable[Row], driven: Collection[str]) -> float:
+    """The largest use by the flow; 0 where it follows nothing. Arguments as of `beyond_backoff_of_flow`."""
+    return max(((row.size + row.shortfall) / row.size for row in _left(rows, driven)), default=0.0)
+
+
 def is_nearly_kept(use: float) -> bool:
     """Whether the flow leaves little more than a limit allows."""
     return use <= _NEARLY

@@ -27,7 +27,7 @@ from nospill.planning.fallbacks import REST_INSTEAD, fallbacks, on_path_instead
 from nospill.planning.first_order import duration_change
 from nospill.planning.log import Log, OnProgress
 from nospill.planning.log import PlanningProgress as PlanningProgress
-from nospill.planning.refinement import Judged, certify_by_refinement
+from nospill.planning.refinement import Judged
 from nospill.planning.request import (
     begun_in,
     earlier_plan,
@@ -36,6 +36,7 @@ from nospill.planning.request import (
     rest_along,
 )
 from nospill.planning.search import PassageSearch, Search, find_motion, passage_searches, searcher
+from nospill.planning.shortening import certify_by_refinement
 from nospill.planning.task import Task
 from nospill.planning.tracking_margins import require_band
 from nospill.planning.warm_start import (

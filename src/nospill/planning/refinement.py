@@ -16,12 +16,11 @@ from nospill.certification.tracks import judged_tracks, variant_tracks
 from nospill.errors import ModelError, NoSolutionError
 from nospill.laws.constraints import DEVIATION_JERK_NAMES, LIQUID_NAMES
 from nospill.laws.constraints.base import RowId
-from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.motion.trajectory import Trajectory
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, exported, problem_about, solved
 from nospill.planning.log import Log
-from nospill.planning.next_set import lighten, next_set, relax
+from nospill.planning.next_set import next_set
 from nospill.planning.widest_range import broken_speeds, holds_from, holds_further
 from nospill.transcription.export_samples import on_grid
 from nospill.transcription.passages import bounded_as
@@ -55,15 +54,6 @@ of the weights of the jerks, which rise the less the less is missing."""
 _GROWTHS = 12
 _ALIKE = 0.8
 """Part of the coarse answer's duration that a fine one near it takes at least."""
-_WORTH_A_SOLVE = 1e-3
-"""Part of its duration that less back-off must save a certified motion, to the first order, for another solve."""
-_WORTH_OVER_BAND, _WORTH_LIGHTER = 5e-3, 0.01
-"""The same over a band of arms or a range of speeds, where a row that gets some back asks for two more rounds; where a
-flow judges, or jerks weigh less."""
-_HEAVIER = 3.0
-"""Times that jerks weigh more from which a motion relaxed, which then leaves too much by the flow, is given up."""
-_LIGHTENED = 3
-"""Times that a certified motion over a band gets back what it does not need, at most."""
 _NEARLY_ALIKE = 2.5
 """Ratio of the weights of the jerks with which multipliers are worth a start, between problems with margins."""
 _FEW_SPEEDS = 12
@@ -99,7 +89,7 @@ def _with_modes(coarse: Candidate, rows: Collection[RowId], log: Log) -> Candida
             if active.refined:
                 start = _smoothed(coarse, active, log) or judged.trajectory
                 begun = start_from(active, start, log, coarse.stages)
-                return _solve_near_optimum(active, begun, _of_other_rows(active, begun), log)
+                return _solve_near_optimum(active, begun, of_other_rows(active, begun), log)
     return None
 
 
@@ -144,88 +134,7 @@ class Judged:
     judgement: Judgement
 
 
-def certify_by_refinement(candidate: Candidate, log: Log, *, worth: float = _WORTH_A_SOLVE) -> Judged:
-    """Judge everything, solve some, add what is violated, until the certificate holds with a margin for a finer grid.
-
-    A certified motion is solved once more with less back-off where the multipliers say that it is worth that: so much
-    of its duration, or more.
-
-    Raises:
-        NoSolutionError: the motion cannot be played, or there is none with what joined the problem.
-    """
-    judged = _by_smoothness(_refine_until_certified(candidate, log), log)
-    return _with_whole_verdict(_relaxed(_lightened(judged, log), log, worth), log)
-
-
-def _with_whole_verdict(judged: Judged, log: Log) -> Judged:
-    """The same with all that a judge looks at, where rounds have ended with a row broken at a first look."""
-    scene = judged.candidate.active.task.scene
-    if judged.judgement.certificate.ok or (scene.tracking is None and not scene.motion.speeds):
-        return judged
-    with log.phase("certify"), suppress(ModelError):  # an arm whose liquids have no answer: what is broken stands
-        return replace(judged, judgement=judge_motion(judged.trajectory, scene))
-    return judged
-
-
-def _by_smoothness(judged: Judged, log: Log) -> Judged:
-    """A motion that leaves too much after the end by the nonlinear flow, smoothed instead; itself where that fails."""
-    active, rows = judged.candidate.active, judged.judgement.certificate.rows
-    if log.out_of_time or all(row.ok or row.constraint != ResidualHeight.name for row in rows):
-        return judged
-    smooth = active.without_driven(judged.judgement)
-    if smooth is not active:
-        with suppress(NoSolutionError):
-            start = start_from(smooth, judged.trajectory, log, judged.candidate.stages)
-            again = solve_from(smooth, start, log, _of_other_rows(smooth, start)[:1])
-            refined = again and _refine_until_certified(again, log)
-            if refined and refined.judgement.certificate.ok:
-                return refined
-    return judged
-
-
-def _relaxed(judged: Judged, log: Log, least: float) -> Judged:
-    """A certified motion solved once more with less back-off, where that is worth it; the shorter of both."""
-    last, end = judged.candidate, judged.trajectory.end_time
-    if not judged.judgement.certificate.ok or not last.has_converged or log.out_of_time:
-        return judged
-    relaxed = relax(last.active, judged.judgement)
-    by_flow = bool(last.active.task.may_be_driven)
-    over_band = bool(last.active.margins or last.active.task.scene.motion.speeds)
-    worth = max(least, _WORTH_OVER_BAND if over_band else 0.0, _WORTH_LIGHTER if by_flow else 0.0)
-    if saving_of(last.problem, last.solution, relaxed.backoff) > worth * end:
-        with suppress(NoSolutionError):
-            again = _tighten(last, relaxed, log)
-            heaviest = _HEAVIER * last.active.smoothness.factor if by_flow else math.inf
-            refined = again and _refine_until_certified(again, log, below=end, heaviest=heaviest)
-            if refined and refined.judgement.certificate.ok and refined.trajectory.end_time < end:
-                return refined
-    return judged
-
-
-def _lightened(judged: Judged, log: Log) -> Judged:
-    """A certified motion whose jerks weigh more than it needs, refined again from less while that shortens it."""
-    for _ in range(_LIGHTENED if judged.candidate.active.margins else 1):
-        active, end = judged.candidate.active, judged.trajectory.end_time
-        lighter = lighten(active, judged.judgement) if judged.judgement.certificate.ok else active
-        if lighter is active or log.out_of_time:
-            return judged
-        refined = None
-        with suppress(NoSolutionError):
-            if lighter.scene is active.scene:
-                again = _tighten(judged.candidate, lighter, log)
-            else:
-                start = start_from(lighter, judged.trajectory, log, judged.candidate.stages)
-                again = solve_from(lighter, start, log, NEAR_OPTIMUM[:1])
-            refined = again and _refine_until_certified(again, log, below=end)
-        if refined is None or not refined.judgement.certificate.ok or refined.trajectory.end_time >= end:
-            return judged
-        judged = refined
-        if refined.trajectory.end_time > (1.0 - _WORTH_LIGHTER) * end:
-            return judged
-    return judged
-
-
-def _refine_until_certified(
+def refine_until_certified(
     candidate: Candidate, log: Log, *, below: float = math.inf, heaviest: float = math.inf
 ) -> Judged:
     """`certify_by_refinement` without that last solve; raises the same.
@@ -252,16 +161,16 @@ def _refine_until_certified(
         if not grows:
             tightened += bool(active.margins) or active.smoothness.factor == before.active.smoothness.factor
             start = before.stages
-            better = _tighten(before, active, log, afresh=not others)
+            better = tighten(before, active, log, afresh=not others and below == math.inf)  # else one stands already
             if better is None and others:
-                better = _tighten(before, active.with_less_margin(), log)
+                better = tighten(before, active.with_less_margin(), log)
             if better is None:
                 break
         else:
             grown, tightened = grown + 1, 0
             start = start_from(active, judged.trajectory, log, before.stages)
             better = _with_members(before, active, start, log)
-            better = better or solve_from(active, start, log, _of_other_rows(active, start)[:1])
+            better = better or solve_from(active, start, log, of_other_rows(active, start)[:1])
             if better is None:  # far from any answer: from a motion slow enough to keep the rows
                 slow = slow_enough(problem_about(active, start), start, _SLOWEST)
                 better = solve_from(active, slow, log, ({}, *NEAR_OPTIMUM[1:]))
@@ -328,7 +237,7 @@ def _at_least(before: Candidate, active: ActiveSet) -> float:
     return before.stages.duration - saving_of(before.problem, before.solution, active.backoff)
 
 
-def _tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = True) -> Candidate | None:
+def tighten(before: Candidate, active: ActiveSet, log: Log, *, afresh: bool = True) -> Candidate | None:
     """The motion solved again with more rows, more back-off or heavier jerks; None where that fails.
 
     Warm where no row joined. Then once more as from any start, where `afresh`: with margins that are too much it takes
@@ -365,7 +274,7 @@ def _with_members(before: Candidate, active: ActiveSet, start: Stages, log: Log)
     return found if found.has_converged and found.keeps_branch else None
 
 
-def _of_other_rows(active: ActiveSet, start: Stages) -> Sequence[Options]:
+def of_other_rows(active: ActiveSet, start: Stages) -> Sequence[Options]:
     """What is tried from the optimum of a problem that had other rows, by how far it breaks those of this one.
 
     Where the tray may leave its path the least barrier comes first all the same: little but the weights of the jerks
@@ -390,7 +299,7 @@ def solve_from(active: ActiveSet, start: Stages, log: Log, tries: Sequence[Optio
 
     Where the arm leaves its branch, it is solved again with the determinant bounded.
     """
-    tries = (*_of_other_rows(active, start), {}) if tries is None else tries
+    tries = (*of_other_rows(active, start), {}) if tries is None else tries
     found = _solve_near_optimum(active, start, tries, log, tightens=True)
     kept = found is None or found.keeps_branch or active.task.passage.determinant is not None
     return found if kept else _off_singularities(active, start, log)

@@ -17,6 +17,8 @@ _LEAST_USE, _LEAST_FALL, _MOST_FALL = 5e-4, 0.08, 0.8
 """Use that counts at least; power with which uses fall as the weights rise, least and most that two motions show."""
 _OF_SMOOTH = 0.42
 """Power of the factor of a smooth motion with which a motion begins whose waves of second order become states."""
+_ELSEWHERE = 0.42
+"""The same of the motion before, with which one to another goal begins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +55,7 @@ OTHER_MODES = Cause(power=2.0, least=2.0, most=_HEAVIEST)
 SECOND_ORDER = Cause(power=2.0, least=1.4, most=300.0, fall=0.5, most_fall=2.5)
 """What the second order adds after the end, over what the limit leaves it. Four cups on a tilting tray, 10 mm: 4.7, 3,
 1.7, 1.3, 0.1 mm with 1, 10, 100, 300, 1000 times the weights."""
-FLOW = Cause(power=2.0, least=1.25, most=5.0)
+FLOW = Cause(power=2.0, least=1.25, most=5.0, fall=2.0, most_fall=5.0)
 """What the nonlinear flow leaves beside the waves that are states of the problem."""
 LATE_AT_ONCE = Cause(power=4.0, least=30.0, most=60.0, heaviest=60.0, acts_from=1.5, aim=0.985, by_secants=True)
 """What late joints leave after the end, before any margins: those of a rough motion are too much."""
@@ -127,6 +129,14 @@ class Smoothness:
     def with_waves_as_states(self) -> Smoothness:
         """After a smooth motion, for a first problem that stills some of the waves by their phase."""
         return Smoothness(max(self.factor**_OF_SMOOTH, 1.0))
+
+    @property
+    def elsewhere(self) -> Smoothness:
+        """For a motion along a way that was moved: what one goal asked for says little of another.
+
+        Weights rise where the flow leaves too much and hardly ever fall, so that those of a loop would only grow.
+        """
+        return Smoothness(max(self.factor**_ELSEWHERE, 1.0))
 
     @property
     def may_rise(self) -> bool:

@@ -64,7 +64,8 @@ def tightened_backoff(
     if before is not None and backoff > before[0] and is_stuck(excess, before[1] - 1.0) and excess < _SLIGHTLY_AT_END:
         fall = (before[1] - 1.0 - excess) / (backoff - before[0])
         longest = _BY_SECANT * step
-        step = max(step, longest if fall * longest < excess else excess / fall)
+        if fall > 0.0:  # a height that more back-off has raised is made by other waves
+            step = max(step, longest if fall * longest < excess else excess / fall)
     return backoff + min(step, (1.0 - backoff) / 2)  # of a cone it is a difference of squares
 
 

@@ -17,7 +17,9 @@ from nospill.path_search.moved_way import same_surroundings, way_of
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate, problem_about, solve_lazily
 from nospill.planning.log import Log
-from nospill.planning.refinement import Judged, certify_by_refinement, to_fine_grid
+from nospill.planning.next_set import relax_within_flow
+from nospill.planning.refinement import Judged, to_fine_grid
+from nospill.planning.shortening import certify_by_refinement
 from nospill.planning.smoothness import Smoothness
 from nospill.planning.task import Task
 from nospill.planning.warm_start import NOT_CERTIFIED, NOT_CONVERGED, cautious, restart, restart_nearby
@@ -71,7 +73,7 @@ def along_way_before(
             candidate = restart(task, earlier, last, log)
         else:
             candidate = restart_nearby(task, earlier, last, log) or _from_coarse_grid(task, earlier, log)
-        judged = candidate and certify_by_refinement(candidate, log, worth=_WORTH_A_SOLVE)
+        judged = candidate and certify_by_refinement(candidate, log, worth=_WORTH_A_SOLVE, relaxing=relax_within_flow)
     except (ModelError, NoSolutionError, np.linalg.LinAlgError):
         judged = candidate = None
     if judged and (judged.judgement.certificate.ok or log.out_of_time):
@@ -92,7 +94,9 @@ def _from_coarse_grid(task: Task, earlier: Plan, log: Log) -> Candidate | None:
         .without_far(earlier.certificate.rows)
         .with_backoff({RowId.of(label): value for label, value in earlier.report.backoff.items()})
     )
-    active = replace(active, expected=earlier.duration, smoothness=Smoothness(earlier.report.jerk_weight_factor))
+    active = replace(
+        active, expected=earlier.duration, smoothness=Smoothness(earlier.report.jerk_weight_factor).elsewhere
+    )
     with log.phase("build", "coarse"):  # how slowly does not depend on the planes, which take as long as a solve
         alone = active.with_rows(row for row in active.rows if row.constraint != Clearance.name)
         start = slow_enough(problem_about(alone, start), start)

@@ -94,6 +94,15 @@ def test_a_height_after_the_end_that_hardly_falls_is_tightened_by_the_secant() -
     assert rounds(by_secant=True) <= 6 < 20 < rounds(by_secant=False)
 
 
+def test_a_height_that_back_off_has_raised_says_no_secant() -> None:
+    """Other waves make it: 1.019 of the limit, then 1.038 with more back-off."""
+    key = RowId("residual height", "a")
+    row = Row(*key, "m", 1.0, 1.038, -0.038, 0.0, False)
+    rising, _ = tightened([row], [key], {key: 0.53}, {}, {key: (0.5, 1.019)})
+    unknown, _ = tightened([row], [key], {key: 0.53}, {}, {})
+    assert rising == unknown
+
+
 def test_what_falls_as_the_law_says_is_not_tightened_further() -> None:
     key = RowId("residual height", "a")
     backoff, before = {key: 0.05}, {key: (0.0, 1.05)}
@@ -119,9 +128,9 @@ def test_a_certified_motion_over_a_range_is_solved_once_more(
     monkeypatch.setattr(refinement, "_judge", lambda one, *_, **__: refinement.Judged(one, record, verdict))
     monkeypatch.setattr(refinement, "next_set", lambda active, *_: SimpleNamespace(**vars(active)))
     monkeypatch.setattr(refinement, "_at_least", lambda *_: 1.0)
-    monkeypatch.setattr(refinement, "_tighten", lambda *_, **__: candidate())
+    monkeypatch.setattr(refinement, "tighten", lambda *_, **__: candidate())
     log = Log(None, 60.0)
-    assert refinement._refine_until_certified(candidate(), log).judgement is verdict
+    assert refinement.refine_until_certified(candidate(), log).judgement is verdict
     assert log.rounds == rounds
 
 
