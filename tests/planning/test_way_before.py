@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 import nospill as ns
 from nospill.path_search.candidates import path_table_of
+from nospill.planning import way_before
+from nospill.planning.active_set import ActiveSet
 from nospill.planning.way_before import NO_WAY
 
 pytestmark = pytest.mark.slow
@@ -53,3 +56,28 @@ def test_where_ends_and_obstacles_stay_the_way_does_too() -> None:
 def test_a_goal_far_away_is_searched_for(first: ns.Plan) -> None:
     found = ns.Planner(first).plan(towards(0.6, y=0.75))
     assert found.certificate.ok and not found.report.warm and found.report.not_warm == NO_WAY
+
+
+def test_of_a_planner_that_goes_on_an_obstacle_moves_with_the_multipliers(first: ns.Plan) -> None:
+    planner = ns.Planner()
+    planner.plan(towards(0.6))
+    found = planner.plan(towards(0.6, post=0.98))
+    assert found.certificate.ok and found.report.warm
+    assert found.report.starts.tried == 1  # none from the coarse grid
+    assert found.duration == pytest.approx(first.duration, rel=0.01)
+
+
+def test_the_weights_that_another_goal_asked_for_count_for_less(
+    first: ns.Plan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[float] = []
+
+    def caught(active: ActiveSet, *_: object) -> None:
+        seen.append(active.smoothness.factor)
+        raise ns.NoSolutionError("none is looked for")
+
+    monkeypatch.setattr(way_before, "solve_lazily", caught)
+    heavy = replace(first, report=replace(first.report, jerk_weight_factor=50.0))
+    found = ns.Planner(heavy).plan(towards(0.68))
+    assert 1.0 < seen[0] < 50.0**0.5 and len(seen) == 1
+    assert found.certificate.ok and not found.report.warm

@@ -25,7 +25,7 @@ from nospill.plans.plan import Plan
 from nospill.robots.joint_paths.search import JointPath
 from nospill.scene.tolerances import has_variants
 from nospill.transcription.resampling import fine_intervals
-from nospill.transcription.solvers.options import BARRIERS, LOOSEST, Options, near_optimum
+from nospill.transcription.solvers.options import BARRIERS, LOOSEST, Options, near_adapted, near_optimum
 from nospill.transcription.stages import Stages
 from nospill.transcription.time_scaling import is_broken, slow_enough
 from nospill.transcription.trajectory_start import bent, on_branch, on_moved_path
@@ -37,6 +37,8 @@ _OTHER_GRID = 0.1
 duration chose it, and its multipliers are worth more than a few intervals."""
 _WARM: Options = {"kkt_error_globalization": True, "bound_push": 5e-4, "max_iterations": 50, "tolerances": LOOSEST}
 _SLOWED: Options = {**_WARM, "bound_push": 3e-3}
+_NEARBY_ITERATIONS = 40
+"""Along a moved way, with a barrier that is adapted: what takes longer is reached sooner from the coarse grid."""
 
 
 def restart(task: Task, earlier: Plan, last: Candidate | None, log: Log) -> Candidate | None:
@@ -58,7 +60,9 @@ def restart_nearby(task: Task, earlier: Plan, last: Candidate | None, log: Log) 
     alone = active.with_rows(row for row in active.rows if row.constraint != Clearance.name)
     if is_broken(problem_about(alone, start), start):
         return None
-    return _solve_again(active, start, log, warm=last)
+    with log.phase("build", "fine"):
+        problem = problem_about(active, start, planes_like(last, active))
+    return _succeeded(solved(active, start, log, near_adapted(_NEARBY_ITERATIONS), last, problem), log)
 
 
 def _as_before(task: Task, earlier: Plan, last: Candidate) -> ActiveSet | None:
@@ -164,6 +168,11 @@ def _solve_again(active: ActiveSet, start: Stages, log: Log, *, warm: Candidate 
     candidate = solved(active, start, log, _SLOWED if broken else _WARM, warm, problem)
     if not candidate.solution.converged:
         candidate = solved(active, start, log, near_optimum(BARRIERS[1], REFINE_ITERATIONS), problem=problem)
+    return _succeeded(candidate, log)
+
+
+def _succeeded(candidate: Candidate, log: Log) -> Candidate | None:
+    """A candidate where it has converged on its branch, else None; its end time is in the log."""
     succeeded = candidate.has_converged and candidate.keeps_branch
     log.starts.append(candidate.stages.duration if succeeded else None)
     return candidate if succeeded else None
