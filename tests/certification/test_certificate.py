@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from nospill.certification.certificate import certify, judge
-from nospill.certification.verdict import Certificate, Row
+from nospill.certification.verdict import Certificate
 from nospill.certification.wording import remedy
 from nospill.errors import ModelError, PlanFolderError
 from nospill.laws.constraints import CONSTRAINTS
@@ -494,15 +494,3 @@ def test_too_fast_motion_names_what_gives_way():
     broken = failed(certify(trajectory, scene))
     assert {"slosh height", "residual height", "slip", "joint speed"} <= broken
     assert not broken & {"path position", "path attitude", "path covered", "even sampling", "rest at the ends"}
-
-
-def test_of_objects_that_use_as_much_the_first_is_named_however_sums_are_rounded() -> None:
-    def row(subject: str, use: float, constraint: str = "twist") -> Row:
-        return Row(constraint, subject, "", 1.0, use, 1.0 - use, 0.0, True, "")
-
-    rows = (row("tea", 1e-17), row("espresso", 3e-16), row("tea", 0.5, "slip"), row("espresso", 0.5 + 1e-8, "slip"))
-    certificate = Certificate(True, 2000.0, rows)
-    assert [(one.constraint, one.subject) for one in certificate.worst_rows()] == [
-        ("slip", "espresso"),
-        ("twist", "tea"),
-    ]
