@@ -14,7 +14,7 @@ from nospill.certification.verdict import Row
 from nospill.laws.constraints.base import RowId
 from nospill.laws.constraints.residual_height import ResidualHeight
 from nospill.laws.scene_parameters import structure_of
-from nospill.planning import refinement
+from nospill.planning import refinement, shortening
 from nospill.planning.active_set import ActiveSet
 from nospill.planning.candidate import Candidate
 from nospill.planning.driven_waves import (
@@ -139,7 +139,8 @@ def test_where_their_problem_has_no_answer_smoothness_stills_them(monkeypatch: p
         tried.append(bool(active.task.driven & active.refined))
         return None if tried[-1] else solve_from(active, *args, **options)
 
-    monkeypatch.setattr(refinement, "solve_from", without_answer)
+    for module in (refinement, shortening):
+        monkeypatch.setattr(module, "solve_from", without_answer)
     monkeypatch.setattr(refinement, "_with_modes", lambda *_: None)
     scene = load("bracket-tray")
     one = {"cargo": scene.source["cargo"][:1], "planning.intervals": 20, "planning.slosh_modes": 3}

@@ -82,8 +82,11 @@ def test_crests_of_a_stop_keep_their_limit_in_the_flow_of_the_whole_motion(monke
     """The stop is judged from a state of the flow; of plan and stop from rest the same flow knows no state.
 
     The stop from the same instant by heights of second order is sooner, and a twentieth too high in that flow.
-    Neither is steep; where a tenth of that slope is called steep, the flow of the stop is in doubt, as of the whole.
+    Where ten times the slope is called steep, neither flow is in doubt; where a tenth is, that of the stop is, as that
+    of the whole.
     """
+    steepest = crests.STEEPEST
+    monkeypatch.setattr(crests, "STEEPEST", 10.0 * steepest)
     plan = ns.plan("cups-past-a-column")
     (stop, judgement), (rough, other) = (
         _stop_of(replace(plan, scene=_with_crests(plan.scene, order)), plan.scene)
@@ -91,7 +94,7 @@ def test_crests_of_a_stop_keep_their_limit_in_the_flow_of_the_whole_motion(monke
     )
     assert 0.9 < _crest(judgement) <= 1.0 and _crest(other) > 1.03
     assert stop.doubted == rough.doubted == ()
-    monkeypatch.setattr(crests, "STEEPEST", 0.1 * crests.STEEPEST)
+    monkeypatch.setattr(crests, "STEEPEST", 0.1 * steepest)
     steep = set(steep_flows(plan.scene, judgement.replay))
     assert steep and set(_stop_of(plan, plan.scene)[0].doubted) == steep
 

@@ -66,7 +66,7 @@ DURATIONS = {
     "matrix-liquid-soft-end": 1.7240,
     "matrix-liquid-still": 2.0493,
     "matrix-liquid-tilt": 1.6832,
-    "matrix-liquid-tilt-robust": 1.7766,
+    "matrix-liquid-tilt-robust": 1.7125,
     "matrix-liquid-tilt-all-limits": 1.6853,
     "matrix-liquid-corridor": 1.6454,
     "matrix-liquid-point-to-point": 1.5116,
