@@ -96,8 +96,9 @@ def test_jerks_weigh_less_where_the_flow_leaves_far_less_than_its_limit(active: 
     assert lighten_by_flow(heavy, _holds(0.3, subject="bottle")) is heavy  # of no liquid that the flow follows
 
 
-def test_over_a_range_of_speeds_they_do_not(active: ActiveSet) -> None:
-    scene = read_scenario("mixed-tray").changed({"motion.speed_range": ["50 %", "100 %"]})
+@pytest.mark.parametrize("key, value", [("speed_range", ["50 %", "100 %"]), ("duration", "2.5 s")])
+def test_over_a_range_of_speeds_or_in_a_given_time_they_do_not(active: ActiveSet, key: str, value: Any) -> None:
+    scene = read_scenario("mixed-tray").changed({f"motion.{key}": value})
     heavy = replace(active, task=Task.of(scene), smoothness=Smoothness(10.0))
     assert lighten_by_flow(heavy, _holds(0.3)) is heavy
 

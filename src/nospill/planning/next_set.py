@@ -124,7 +124,7 @@ def relax(active: ActiveSet, judgement: Judgement) -> ActiveSet:
 
 
 def relax_within_flow(active: ActiveSet, judgement: Judgement) -> ActiveSet:
-    """The same, crests with no more than what the flow leaves allows: else jerks soon weigh more, and all was in vain.
+    """`relax`, with crests no higher than what the flow leaves allows: else jerks soon weigh more, and all was in vain.
 
     What that forgoes is a percent or two, what it saves in a loop half of the time.
     """
@@ -136,10 +136,12 @@ def relax_within_flow(active: ActiveSet, judgement: Judgement) -> ActiveSet:
 def lighten_by_flow(active: ActiveSet, judgement: Judgement) -> ActiveSet:
     """The set with jerks that weigh less, after a motion of which the flow leaves far less than a limit allows.
 
-    The same set where that promises little, or where jerks weigh more for late arms or lower speeds too.
+    The same set where that promises little, where the duration is given, or where jerks weigh more for late arms or
+    lower speeds too.
     """
     left = most_left(active.on_members(active.judged_rows(judgement), own=True), active.driven)
-    if not left or judgement.band is not None or active.task.scene.motion.speeds:
+    motion = active.task.scene.motion
+    if not left or motion.duration is not None or judgement.band is not None or motion.speeds:
         return active
     light = active.smoothness.lighter(FLOW, left / _LEFT_BY_FLOW)
     return replace(active, smoothness=light) if light.factor < _LIGHTER_BY_FLOW * active.smoothness.factor else active

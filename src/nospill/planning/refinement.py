@@ -161,7 +161,8 @@ def refine_until_certified(
         if not grows:
             tightened += bool(active.margins) or active.smoothness.factor == before.active.smoothness.factor
             start = before.stages
-            better = tighten(before, active, log, afresh=not others and below == math.inf)  # else one stands already
+            shortens = below < math.inf  # a certified motion, which stands where this leads nowhere
+            better = tighten(before, active, log, afresh=not (others or shortens))
             if better is None and others:
                 better = tighten(before, active.with_less_margin(), log)
             if better is None:

@@ -134,7 +134,7 @@ class Smoothness:
     def elsewhere(self) -> Smoothness:
         """For a motion along a way that was moved: what one goal asked for says little of another.
 
-        Weights rise where the flow leaves too much and hardly ever fall, so that those of a loop would only grow.
+        Weights rise where the flow leaves too much, and those of a loop would add up.
         """
         return Smoothness(max(self.factor**_ELSEWHERE, 1.0))
 
